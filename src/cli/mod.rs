@@ -1,0 +1,8 @@
+//! One file per command: arguments → options → library call → report.
+
+use std::process::ExitCode;
+
+/// Parses the command line and runs it.
+pub fn run() -> ExitCode {
+    ExitCode::SUCCESS
+}

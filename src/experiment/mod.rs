@@ -1,0 +1,11 @@
+//! What was measured, on what, under which treatment.
+
+pub mod campaign;
+pub mod design;
+pub mod profile;
+pub mod specimen;
+
+pub use campaign::Campaign;
+pub use design::{Design, Factor, Run};
+pub use profile::{DrapeProfile, Point};
+pub use specimen::{Apparatus, Fabric, Skirt};

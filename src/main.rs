@@ -1,0 +1,5 @@
+//! The `hemline` program.
+
+fn main() -> std::process::ExitCode {
+    hemline::cli::run()
+}

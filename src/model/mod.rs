@@ -1,0 +1,3 @@
+//! What could explain a profile: the hem curve, the tangent-angle family, the cone, the energy terms.
+
+pub mod hem;

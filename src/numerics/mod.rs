@@ -1,0 +1,1 @@
+//! Mathematics with no textile word in it.

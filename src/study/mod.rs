@@ -1,0 +1,3 @@
+//! Questions that need several layers at once.
+
+pub mod campaign;
