@@ -1,1 +1,3 @@
 //! Mathematics with no textile word in it.
+
+pub mod least_squares;
