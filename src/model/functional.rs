@@ -99,7 +99,7 @@ impl PaperFunctional {
     pub fn density<const N: usize>(&self, radius: Jet<N>) -> Option<Jet<N>> {
         let lean = radius - self.waist;
         let height_squared = lean.square() * -1.0 + self.slant * self.slant;
-        if !(0.0 < height_squared.value) {
+        if height_squared.value.is_nan() || height_squared.value <= 0.0 {
             return None;
         }
         // x²/(L + √(L² − x²)) is L − √(L² − x²) without cancellation.

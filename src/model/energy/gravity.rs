@@ -31,7 +31,7 @@ impl Gravity {
     /// Energy density per radian of σ (J) and its derivatives by |d|², m²; `None` where the generatrix does not reach that far.
     pub fn density(&self, lean_squared: f64) -> Option<Rise> {
         let height_squared = self.slant * self.slant - lean_squared;
-        if !(0.0 < height_squared) {
+        if height_squared.is_nan() || height_squared <= 0.0 {
             return None;
         }
         let height = height_squared.sqrt();
