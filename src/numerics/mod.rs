@@ -1,3 +1,6 @@
 //! Mathematics with no textile word in it.
 
+pub mod jet;
 pub mod least_squares;
+pub mod minimize;
+pub mod quadrature;
