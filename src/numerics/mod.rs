@@ -1,1 +1,4 @@
 //! Mathematics with no textile word in it.
+
+pub mod double_double;
+pub mod pivoted_qr;
