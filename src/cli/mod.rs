@@ -1,10 +1,7 @@
 //! One file per command: arguments → options → library call → report.
 
-<<<<<<< HEAD
 pub mod predict;
-=======
 pub mod regress;
->>>>>>> statistics
 
 use std::process::ExitCode;
 

@@ -140,7 +140,8 @@ struct Trial {
     held: Option<HeldLength>,
     termination: Termination,
     broken: Option<Rule>,
-    errors: Result<[Estimate; 3], String>,
+    /// Covariance of (p, q, s), m², or why there is none.
+    covariance: Result<[[f64; 3]; 3], String>,
     evaluations: usize,
 }
 
@@ -148,7 +149,6 @@ impl Trial {
     fn round(round: &circle::Circle, points: &[Point]) -> Trial {
         let distances: Vec<f64> = points.iter().map(|p| (p.x - round.x0).hypot(p.y - round.y0) - round.radius).collect();
         let hem = Hem { p: round.radius, q: 0.0, s: 0.0, folds: 0 };
-        let none = Estimate { value: 0.0, standard_error: None };
         Trial {
             folds: 0,
             hem,
@@ -160,7 +160,7 @@ impl Trial {
             held: None,
             termination: Termination::NoFolds,
             broken: None,
-            errors: Ok([Estimate { value: round.radius, standard_error: Some(round.radius_error) }, none, none]),
+            covariance: Ok([[round.radius_error * round.radius_error, 0.0, 0.0], [0.0; 3], [0.0; 3]]),
             evaluations: 1,
         }
     }
@@ -192,7 +192,7 @@ impl Trial {
             held: None,
             termination: Termination::NotPursued,
             broken: None,
-            errors: Err("not fitted".into()),
+            covariance: Err("not fitted".into()),
             evaluations: 0,
         }
     }
@@ -304,10 +304,9 @@ impl Work<'_> {
             least_squares::Termination::EvaluationLimit => Termination::EvaluationLimit,
             _ => termination,
         };
-        let errors = covariance(&summary, &UNKNOWNS).map_err(|e| e.to_string()).map(|c| {
-            let error = |j: usize| Some(c.matrix[(j, j)].max(0.0).sqrt());
-            [(hem.p, 3), (hem.q, 4), (hem.s, 5)].map(|(value, j)| Estimate { value, standard_error: error(j) })
-        });
+        let covariance = covariance(&summary, &UNKNOWNS)
+            .map_err(|e| e.to_string())
+            .map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c.matrix[(i + 3, j + 3)])));
         let held = length.zip(summary.multiplier).map(|(length, multiplier)| HeldLength { length, multiplier });
         Trial {
             folds: hem.folds,
@@ -320,7 +319,7 @@ impl Work<'_> {
             held,
             termination,
             broken,
-            errors,
+            covariance,
             evaluations,
         }
     }
@@ -359,7 +358,7 @@ impl Work<'_> {
             held: None,
             termination: Termination::InOrder { broken: rule },
             broken,
-            errors: Err(reason),
+            covariance: Err(reason),
             evaluations: 0,
         }
     }
@@ -384,13 +383,18 @@ impl Work<'_> {
         // Canonical form moves the crest, and with it the origin of t.
         let turned = best.placement.phase - placement.phase + if best.hem.p < 0.0 { std::f64::consts::PI } else { 0.0 };
         let feet = best.feet.iter().map(|t| (t + turned).rem_euclid(std::f64::consts::TAU)).collect();
-        let [p, q, s] = match &best.errors {
-            Ok([p, q, s]) => [p, q, s].map(|e| e.standard_error),
+        let covariance = match best.covariance {
+            // q → −q turns its covariances with p and s.
+            Ok(c) if (best.hem.q < 0.0) != (best.hem.p < 0.0) => {
+                Some(std::array::from_fn(|i| std::array::from_fn(|j| if (i == 1) != (j == 1) { -c[i][j] } else { c[i][j] })))
+            }
+            Ok(c) => Some(c),
             Err(reason) => {
                 notes.push(format!("no standard errors: {reason}"));
-                [None; 3]
+                None
             }
         };
+        let [p, q, s] = [0, 1, 2].map(|i| covariance.map(|c: [[f64; 3]; 3]| c[i][i].max(0.0).sqrt()));
         let folded = best.folds != 0;
         if folded && q.is_some_and(|se| hem.q < 2.0 * se) {
             notes.push("the fold amplitude is within two standard errors of zero: phase and fold count are hardly determined".into());
@@ -400,6 +404,7 @@ impl Work<'_> {
             p: Estimate { value: hem.p, standard_error: p },
             q: folded.then_some(Estimate { value: hem.q, standard_error: q }),
             s: folded.then_some(Estimate { value: hem.s, standard_error: s }),
+            covariance,
             folds: folded.then_some(best.folds),
             folds_weight: weight,
             candidates,
