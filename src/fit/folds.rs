@@ -39,6 +39,8 @@ const CLOSE_MATCH: f64 = 0.03;
 const LEAST_GAIN_FROM_LENGTHS: f64 = 0.4;
 /// The same for a warped match, which is nearer to what the fit reaches (0.76 to 0.97 where the fit is sane).
 const LEAST_GAIN_FROM_WARPING: f64 = 0.6;
+/// Relative difference of outline and cut beyond which the cut is not believed to be what the plan view shows.
+const CUT_SLACK: f64 = 0.02;
 /// A curve whose distance is above that of the best by this factor has no weight left, whichever rule it breaks: with the fewest points
 /// allowed the weight falls to a tenth, with a hundred to 1e-8.
 const BEATEN: f64 = 1.2;
@@ -111,6 +113,16 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let mut notes = Vec::new();
     if to > seen {
         notes.push(format!("{} points round the outline cannot show more than {seen} folds", points.len()));
+    }
+    if let (HemLength::Auto, Some(cut)) = (options.length, options.cut_length)
+        && !work.agrees(cut)
+    {
+        let percent = 100.0 * (outline.length / cut - 1.0);
+        notes.push(format!(
+            "the outline is {:.1} % {} than the hem was cut (tilted hem, wrong scale or missing cloth?): its own length counts",
+            percent.abs(),
+            if percent < 0.0 { "shorter" } else { "longer" }
+        ));
     }
     Ok(work.outcome(best, weight, candidates, round, evaluations, notes))
 }
@@ -216,9 +228,14 @@ impl Work<'_> {
     fn length(&self) -> f64 {
         match self.options.length {
             HemLength::Held(length) => length,
-            HemLength::Auto => self.options.cut_length.unwrap_or(self.outline.length),
+            HemLength::Auto => self.options.cut_length.filter(|cut| self.agrees(*cut)).unwrap_or(self.outline.length),
             HemLength::Free => self.outline.length,
         }
+    }
+
+    /// Whether the outline is as long as the cloth was cut: not if the hem rises and falls, or the scale is wrong.
+    fn agrees(&self, cut: f64) -> bool {
+        (self.outline.length / cut - 1.0).abs() <= CUT_SLACK
     }
 
     /// The best sane curve of one fold count: free if that is sane, else at the held length, else at the held length and in order.

@@ -1,3 +1,5 @@
 //! Questions that need several layers at once.
 
 pub mod campaign;
+pub mod comparison;
+pub mod response;
