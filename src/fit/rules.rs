@@ -18,6 +18,8 @@ pub const LENGTH_SLACK: f64 = 0.05;
 /// What is checked besides the curve itself.
 pub struct Evidence<'a> {
     pub outline: &'a Outline,
+    /// The measured points, in outline order, m.
+    pub points: &'a [Point],
     /// Curve parameter of each outline point's foot, in outline order.
     pub feet: &'a [f64],
     /// Largest distance of an outline point from the curve, m.
@@ -40,7 +42,7 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
         return Some(Rule::Length);
     }
     let perimeter = hem.perimeter();
-    if LENGTH_SLACK < (perimeter / evidence.length - 1.0).abs() {
+    if LENGTH_SLACK < (perimeter / evidence.length - 1.0).abs() && !evidence.coarsely_as_long(hem, placement, perimeter) {
         return Some(Rule::Length);
     }
     if out_of_order(evidence, perimeter) {
@@ -50,18 +52,41 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
     if evidence.outline.crossings < crossings(&curve) {
         return Some(Rule::Simplicity);
     }
-    if curve.iter().any(|&p| evidence.reach() < distance_to_polygon(p, &evidence.outline.samples)) {
+    if curve.iter().any(|&p| evidence.strays(p)) {
         return Some(Rule::Nearness);
     }
     None
 }
 
 impl Evidence<'_> {
-    /// How far the curve may be from the outline: hardly further than the outline is from the curve.
-    fn reach(&self) -> f64 {
+    /// Whether a point of the curve is further from the outline than the outline is from the curve.
+    fn strays(&self, point: Point) -> bool {
         // 1 % of the radius: where the fit is excellent, the smooth outline between the points is itself not better known.
-        1.5 * self.farthest + 0.01 * self.outline.radius
+        let reach = 1.5 * self.farthest + 0.01 * self.outline.radius;
+        if distance_to_polygon(point, &self.outline.samples).0 <= reach {
+            return false;
+        }
+        // Between distant points nobody knows the outline better than a share of their distance: the sag of an arc of 120° over its chord.
+        let (distance, chord) = distance_to_polygon(point, self.points);
+        reach + 0.3 * chord < distance
     }
+
+    /// Whether a coarsely sampled outline is as long as the curve seen through the same samples: few points cut the corners of both alike.
+    fn coarsely_as_long(&self, hem: &Hem, placement: &Placement, perimeter: f64) -> bool {
+        let n = self.points.len();
+        let coarseness = f64::from(hem.folds) / n as f64;
+        if coarseness < 1.0 / 32.0 {
+            return false;
+        }
+        let on_curve: Vec<Point> = self.feet.iter().map(|&t| hem.point(placement, t)).collect();
+        let (seen, measured) = (polygon_length(&on_curve), polygon_length(self.points));
+        // A fold of n/m chords is shorter than its arc by about 8 (m/n)² where it is as deep as it is wide.
+        (seen / measured - 1.0).abs() <= LENGTH_SLACK && perimeter / seen - 1.0 <= LENGTH_SLACK + 8.0 * coarseness * coarseness
+    }
+}
+
+fn polygon_length(points: &[Point]) -> f64 {
+    points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| a.distance(*b)).sum()
 }
 
 /// Whether the feet run back along the curve further than noise makes them, or do not run round it once.
@@ -81,16 +106,19 @@ fn out_of_order(evidence: &Evidence, perimeter: f64) -> bool {
     (turned - TAU).abs() > 1e-6 || allowed < back
 }
 
-/// Distance of a point from a closed polygon, m.
-fn distance_to_polygon(point: Point, polygon: &[Point]) -> f64 {
+/// Distance of a point from a closed polygon, and the length of its nearest side, m.
+fn distance_to_polygon(point: Point, polygon: &[Point]) -> (f64, f64) {
     let n = polygon.len();
-    let mut least = f64::INFINITY;
+    let (mut least, mut side) = (f64::INFINITY, 0.0);
     for i in 0..n {
         let (a, b) = (polygon[i], polygon[(i + 1) % n]);
         let (ex, ey) = (b.x - a.x, b.y - a.y);
         let (dx, dy) = (point.x - a.x, point.y - a.y);
         let share = ((dx * ex + dy * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        least = least.min((dx - share * ex).powi(2) + (dy - share * ey).powi(2));
+        let square = (dx - share * ex).powi(2) + (dy - share * ey).powi(2);
+        if square < least {
+            (least, side) = (square, ex.hypot(ey));
+        }
     }
-    least.sqrt()
+    (least.sqrt(), side)
 }
