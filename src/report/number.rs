@@ -28,6 +28,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{} × 10{}", fixed(value / 10f64.powi(exponent), digits.saturating_sub(1)), superscript(exponent))
 }
 
+/// `value` as it would be said: up to four significant digits, no trailing zeros. For levels and ticks.
+pub fn plain(value: f64) -> String {
+    let text = significant(value, 4);
+    if text.contains('×') || !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
 /// `value ± standard_error`, the error to two significant digits where it begins with 1 or 2, else to one, the value to the same place.
 /// Without an error four significant digits stand alone.
 pub fn with_error(value: f64, standard_error: Option<f64>) -> String {
@@ -107,6 +116,14 @@ mod tests {
         assert_eq!(significant(-1234.6, 3), "−1235");
         assert_eq!(significant(1.5e-7, 2), "1.5 × 10⁻⁷");
         assert_eq!(significant(0.0, 3), "0");
+    }
+
+    #[test]
+    fn levels_are_said_without_trailing_zeros() {
+        assert_eq!(plain(20.0), "20");
+        assert_eq!(plain(0.05), "0.05");
+        assert_eq!(plain(-12.25), "−12.25");
+        assert_eq!(plain(250.0), "250");
     }
 
     #[test]

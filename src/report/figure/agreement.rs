@@ -11,7 +11,7 @@ use crate::report::number;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 170.0;
-pub const HEIGHT: f64 = 66.0;
+pub const HEIGHT: f64 = 60.0;
 
 /// One run: fitted and predicted; lengths in mm.
 #[derive(Debug, Clone)]
@@ -52,9 +52,7 @@ fn lengths(area: &sheet::Area<'_>, column: usize, name: &str, unit: &str, pairs:
     // The run that the theory misses by most is named.
     let worst = pairs.iter().max_by(|a, b| (a.predicted - a.fitted).abs().total_cmp(&(b.predicted - b.fitted).abs()));
     if let Some(pair) = worst {
-        let right = 0.5 * (range.0 + range.1) < pair.fitted;
-        let (text, anchor) = if right { (format!("run {}  ", pair.run), HPos::Right) } else { (format!("  run {}", pair.run), HPos::Left) };
-        sheet::note(&mut axes, &text, (pair.fitted, pair.predicted), sheet::mark(SMALL, INK, anchor))?;
+        sheet::name_run(&mut axes, &pair.run, (pair.fitted, pair.predicted), range)?;
     }
     Ok(())
 }
@@ -74,6 +72,7 @@ fn counts(area: &sheet::Area<'_>, column: usize, pairs: &[Pair]) -> Drawn {
         y_ticks: ticks.min(12),
         left: 13.0,
         x_names: Some(&|v| number::fixed(v, 0)),
+        y_names: Some(&|v| number::fixed(v, 0)),
         ..Frame::default()
     };
     let mut axes = chart(&plot, &frame)?;
@@ -86,7 +85,7 @@ fn counts(area: &sheet::Area<'_>, column: usize, pairs: &[Pair]) -> Drawn {
         let at = (fitted as f64, predicted as f64);
         let radius = 1.1 * (runs as f64).sqrt().min(2.4) + 0.5;
         axes.draw_series(std::iter::once(Circle::new(at, steps(radius), sheet::fill(sheet::SKY))))?;
-        sheet::note(&mut axes, &runs.to_string(), at, sheet::mark(SMALL, INK, HPos::Center))?;
+        sheet::note(&mut axes, &runs.to_string(), at, 0.0, sheet::mark(SMALL, INK, HPos::Center))?;
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use crate::statistics::box_wilson::Coefficient;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 60.0;
-pub const HEIGHT: f64 = 52.0;
+pub const HEIGHT: f64 = 54.0;
 
 /// Corner values of the full model; in a full factorial these are the cell means. `None` unless there are two or three factors.
 ///
@@ -32,7 +32,7 @@ fn paint(area: &sheet::Area<'_>, factors: &[Factor], coefficients: &[Coefficient
     let three = factors.len() == 3;
     let place = |x: f64, y: f64, z: f64| {
         let (dx, dy) = if three { (9.5 * z, -7.0 * z) } else { (0.0, 0.0) };
-        (28.0 + 13.5 * x + 0.5 * dx, 26.0 - 12.0 * y + 0.5 * dy)
+        (28.0 + 13.5 * x + 0.5 * dx, 25.0 - 11.5 * y + 0.5 * dy)
     };
     let mut corners = vec![];
     for i in 0..1 << factors.len() {
@@ -67,10 +67,13 @@ fn paint(area: &sheet::Area<'_>, factors: &[Factor], coefficients: &[Coefficient
 
 /// Which way each factor rises.
 fn axis_names(area: &sheet::Area<'_>, factors: &[Factor]) -> Drawn {
-    let between = |factor: &Factor| format!("{}: {} → {}", factor.label, level_name(factor, -1.0), level_name(factor, 1.0));
+    let between = |factor: &Factor| {
+        let unit = factor.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+        format!("{}: {} → {}{unit}", factor.label, level_name(factor, -1.0), level_name(factor, 1.0))
+    };
     let directions = ["to the right", "upwards", "to the back"];
     for (i, (factor, direction)) in factors.iter().zip(directions).enumerate() {
-        let y = HEIGHT - 9.6 + 3.2 * i as f64;
+        let y = HEIGHT - 8.2 + 3.1 * i as f64;
         sheet::text_left(area, &format!("{}, {direction}", between(factor)), 1.0, y, 5.8, INK)?;
     }
     Ok(())

@@ -1,7 +1,6 @@
 //! Figure: signed distance of the measured points from the fitted curve, along the outline.
 
 use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
 
 use super::sheet::{self, BLUE, Drawn, Frame, GREY, INK, SMALL, chart, dashed, line, padded, solid};
 use crate::error::Error;
@@ -11,7 +10,7 @@ use crate::units::{CENTIMETRE, MILLIMETRE};
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 82.0;
-pub const HEIGHT: f64 = 46.0;
+pub const HEIGHT: f64 = 48.0;
 
 /// Distances (m, positive outside) of `outline[i]`, drawn over the length travelled round the measured outline.
 ///
@@ -31,7 +30,8 @@ pub fn draw(run: &str, outline: &[Point], distances: &[f64], rms: f64) -> Result
 
 fn paint(area: &sheet::Area<'_>, run: &str, trace: &[(f64, f64)], rms: f64) -> Drawn {
     sheet::title(area, &format!("Run {run}: distance along the outline, n = {}", trace.len()), 0.5, 2.5)?;
-    let plot = sheet::part(area, 0.0, 6.0, WIDTH - 1.0, HEIGHT - 6.0);
+    sheet::text_right(area, &format!("dashed: ± rms = {} mm", number::fixed(rms, 2)), WIDTH - 1.0, 6.6, SMALL, INK)?;
+    let plot = sheet::part(area, 0.0, 9.0, WIDTH - 1.0, HEIGHT - 9.0);
     let end = trace.last().map_or(1.0, |p| p.0);
     let frame = Frame {
         x: (0.0, end),
@@ -44,13 +44,13 @@ fn paint(area: &sheet::Area<'_>, run: &str, trace: &[(f64, f64)], rms: f64) -> D
         ..Frame::default()
     };
     let mut axes = chart(&plot, &frame)?;
-    axes.draw_series(trace.iter().map(|&(x, y)| PathElement::new(vec![(x, 0.0), (x, y)], line(sheet::SKY, 0.2))))?;
+    let mut below = trace.to_vec();
+    below.extend([(end, 0.0), (0.0, 0.0)]);
+    axes.draw_series(std::iter::once(Polygon::new(below, sheet::SKY.mix(0.45))))?;
     solid(&mut axes, &[(0.0, 0.0), (end, 0.0)], line(INK, 0.2))?;
     for side in [-rms, rms] {
         dashed(&mut axes, &[(0.0, side), (end, side)], line(GREY, 0.2), 1.2, 0.8)?;
     }
     solid(&mut axes, trace, line(BLUE, 0.3))?;
-    let text = format!("± rms {} mm", number::fixed(rms, 2));
-    let top = frame.y.1 - 0.06 * (frame.y.1 - frame.y.0);
-    sheet::note(&mut axes, &text, (end, top), sheet::mark(SMALL, GREY, HPos::Right))
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Figure: theory minus measurement in mm, run by run.
 
 use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::sheet::{self, BLUE, Drawn, FULL_WIDTH, GREY, INK, SMALL, VERMILLION, dashed, line, padded, solid, steps};
 use crate::error::Error;
@@ -14,6 +14,8 @@ const BELOW: f64 = 11.0;
 #[derive(Debug, Clone)]
 pub struct Gap {
     pub run: String,
+    /// Runs of one cell of the design have the same number and stand together.
+    pub cell: usize,
     /// Root mean square distance of the measured points from the predicted hem.
     pub rms: f64,
     /// Predicted minus fitted.
@@ -55,12 +57,13 @@ fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &
     let left = 14.0;
     let below = if last { BELOW } else { 2.0 };
     let plot = sheet::part(area, 0.0, top + 5.5, FULL_WIDTH - 1.0, PANEL - 7.5 + below);
-    let n = gaps.len() as f64;
+    // The last tenth is left to the median's label.
+    let end = 1.1 * gaps.len() as f64 + 1.0;
     let y = padded(values.iter().chain(floor.unwrap_or_default()).copied().chain([0.0]), 0.08);
     let mut axes = ChartBuilder::on(&plot)
         .set_label_area_size(LabelAreaPosition::Left, steps(left))
         .set_label_area_size(LabelAreaPosition::Bottom, steps(below))
-        .build_cartesian_2d(0.0..n + 1.0, y.0..y.1)?;
+        .build_cartesian_2d(0.0..end, y.0..y.1)?;
     axes.configure_mesh()
         .disable_x_mesh()
         .disable_x_axis()
@@ -74,8 +77,14 @@ fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &
         .y_desc("mm")
         .y_label_formatter(&|v| number::fixed(*v, usize::from(y.1 - y.0 < 4.0)))
         .draw()?;
-    solid(&mut axes, &[(0.0, 0.0), (n + 1.0, 0.0)], line(INK, 0.25))?;
-    dashed(&mut axes, &[(0.0, median), (n + 1.0, median)], line(VERMILLION, 0.3), 1.4, 0.9)?;
+    solid(&mut axes, &[(0.0, 0.0), (end, 0.0)], line(INK, 0.25))?;
+    dashed(&mut axes, &[(0.0, median), (end, median)], line(VERMILLION, 0.3), 1.4, 0.9)?;
+    for (i, pair) in gaps.windows(2).enumerate() {
+        if pair[0].cell != pair[1].cell {
+            let x = i as f64 + 1.5;
+            solid(&mut axes, &[(x, y.0), (x, y.1)], line(sheet::PALE, 0.2))?;
+        }
+    }
     for (i, value) in values.iter().enumerate() {
         let x = (i + 1) as f64;
         solid(&mut axes, &[(x, 0.0), (x, *value)], line(BLUE, 0.35))?;
@@ -87,16 +96,29 @@ fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &
             // Forty names fit side by side; more are thinned evenly.
             let every = gaps.len().div_ceil(45);
             if i % every == 0 {
-                let at = left + (FULL_WIDTH - 1.0 - left) * x / (n + 1.0);
+                let at = left + (FULL_WIDTH - 1.0 - left) * x / (end);
                 sheet::text_centre(area, &gaps[i].run, at, top + PANEL + 1.2, if gaps.len() < 30 { SMALL } else { 5.8 }, INK)?;
             }
         }
     }
-    let text = format!("median {} mm", number::signed(median, 1));
-    let above = median + 0.06 * (y.1 - y.0);
-    sheet::note(&mut axes, &text, (n + 0.9, above), sheet::mark(SMALL, VERMILLION, HPos::Right))?;
+    sheet::note(
+        &mut axes,
+        "median",
+        (end, median),
+        0.0,
+        sheet::mark(SMALL, VERMILLION, HPos::Right).pos(Pos::new(HPos::Right, VPos::Bottom)),
+    )?;
+    let text = format!("{} mm", number::signed(median, 1));
+    sheet::note(&mut axes, &text, (end, median), 0.0, sheet::mark(SMALL, VERMILLION, HPos::Right).pos(Pos::new(HPos::Right, VPos::Top)))?;
     if last {
-        sheet::text_centre(area, "run, grouped by cell", left + 0.5 * (FULL_WIDTH - left), top + PANEL + 6.5, sheet::LABEL, INK)?;
+        sheet::text_centre(
+            area,
+            "run; runs of one cell stand together",
+            left + 0.5 * (FULL_WIDTH - left),
+            top + PANEL + 6.5,
+            sheet::LABEL,
+            INK,
+        )?;
     }
     Ok(())
 }

@@ -35,12 +35,12 @@ fn paint(area: &sheet::Area<'_>, unit: &str, scores: &[Score], margin: Option<f6
     let top = scores.iter().map(|s| s.quantile).fold(1.0, f64::max) * 1.12;
     let frame =
         sheet::Frame { x: (0.0, 1.25 * most), y: (0.0, top), x_label: &label, y_label: "half-normal quantile", ..sheet::Frame::default() };
-    let plot = sheet::part(area, 0.0, 6.0, WIDTH - 1.0, HEIGHT - 6.0);
+    let plot = sheet::part(area, 0.0, 9.0, WIDTH - 1.0, HEIGHT - 9.0);
     let mut axes = chart(&plot, &frame)?;
     if let Some(margin) = margin {
         dashed(&mut axes, &[(margin, 0.0), (margin, top)], line(sheet::VERMILLION, 0.3), 1.2, 0.8)?;
-        let text = format!(" Lenth's margin {}", number::significant(margin, 3));
-        sheet::note(&mut axes, &text, (margin, 0.05 * top), sheet::mark(SMALL, GREY, HPos::Left))?;
+        let text = format!("Lenth’s margin {}", number::significant(margin, 3));
+        sheet::text_right(area, &text, WIDTH - 1.0, 6.6, SMALL, GREY)?;
     }
     let points: Vec<(f64, f64)> = scores.iter().map(|s| (s.magnitude, s.quantile)).collect();
     dots(&mut axes, &points, 0.8, BLUE)?;
@@ -48,7 +48,7 @@ fn paint(area: &sheet::Area<'_>, unit: &str, scores: &[Score], margin: Option<f6
     for score in scores.iter().filter(|s| 0.25 * most < s.magnitude) {
         // Neighbouring ranks are a line apart; a closer one stays unnamed rather than overprinted.
         if 0.06 * top < score.quantile - below {
-            sheet::note(&mut axes, &format!("  {}", score.term), (score.magnitude, score.quantile), sheet::mark(SMALL, INK, HPos::Left))?;
+            sheet::note(&mut axes, &score.term, (score.magnitude, score.quantile), 1.3, sheet::mark(SMALL, INK, HPos::Left))?;
             below = score.quantile;
         }
     }

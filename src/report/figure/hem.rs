@@ -88,22 +88,23 @@ fn paint(area: &Area<'_>, view: &View) -> Drawn {
     };
     let mut hem = chart(&plot, &frame)?;
     let magnified = whiskers(&mut hem, view)?;
-    curves(&mut hem, view, 0.45, 0.5)?;
+    curves(&mut hem, view, 0.45, 1)?;
+    sheet::dots(&mut hem, &centimetres(&view.measured), 0.45, INK)?;
     hem.draw_series(std::iter::once(Cross::new((cx, cy), steps(1.0), line(GREY, 0.2))))?;
-    legend(area, view, top + side + below + 1.0, magnified)
+    legend(area, view, top + side + below + 2.0, magnified)
 }
 
-/// Measured dots under the predicted and the fitted line; widths and radius in mm.
-pub fn curves(chart: &mut Chart<'_, '_>, view: &View, width: f64, radius: f64) -> Drawn {
-    let predicted = closed(&view.predicted);
+/// The predicted and the fitted line, every `stride`th of their points, `width` mm.
+pub fn curves(chart: &mut Chart<'_, '_>, view: &View, width: f64, stride: usize) -> Drawn {
+    let predicted = closed(&view.predicted, stride);
     if !predicted.is_empty() {
         dashed(chart, &predicted, line(VERMILLION, 0.8 * width), 5.0 * width, 3.0 * width)?;
     }
-    let fitted = closed(&view.fitted);
+    let fitted = closed(&view.fitted, stride);
     if !fitted.is_empty() {
         solid(chart, &fitted, line(BLUE, width))?;
     }
-    sheet::dots(chart, &centimetres(&view.measured), radius, INK)
+    Ok(())
 }
 
 /// Distances from the fitted curve as whiskers, magnified by a round factor so that they can be seen; returns the factor.
@@ -173,9 +174,9 @@ pub fn centimetres(points: &[Point]) -> Vec<(f64, f64)> {
     points.iter().map(|p| (p.x / CENTIMETRE, p.y / CENTIMETRE)).collect()
 }
 
-/// The same with the first point repeated at the end.
-fn closed(points: &[Point]) -> Vec<(f64, f64)> {
-    let mut round = centimetres(points);
+/// The same, every `stride`th, with the first point repeated at the end.
+pub fn closed(points: &[Point], stride: usize) -> Vec<(f64, f64)> {
+    let mut round: Vec<(f64, f64)> = centimetres(points).into_iter().step_by(stride).collect();
     round.extend(round.first().copied());
     round
 }

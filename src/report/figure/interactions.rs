@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::main_effects::{estimate, level_name, with_unit};
+use super::main_effects::{estimate, factor_name, level_name, with_unit};
 use super::sheet::{self, BLUE, Drawn, INK, SMALL, VERMILLION, chart, dashed, dots, line, padded, solid, steps};
 use crate::error::Error;
 use crate::experiment::Factor;
@@ -58,7 +58,7 @@ fn panel(
     let frame = sheet::Frame {
         x: (-1.5, 1.5),
         y,
-        x_label: &first.label,
+        x_label: &factor_name(first),
         y_label: if column == 0 { label } else { "" },
         x_ticks: 3,
         left: margin,
@@ -76,7 +76,7 @@ fn panel(
     let significant = coefficients.iter().any(|c| c.significant && c.term == format!("{}:{}", first.name, second.name));
     let x = left + width * column as f64;
     let mark = if significant { " (significant)" } else { "" };
-    sheet::text_left(area, &format!("{}{mark}", second.label), x, top + 7.0, SMALL, INK)?;
+    sheet::text_left(area, &format!("{}{mark}", factor_name(second)), x, top + 7.0, SMALL, INK)?;
     for (k, coded) in [-1.0, 1.0].into_iter().enumerate() {
         let at = x + 15.0 * k as f64;
         let y = top + 11.0;

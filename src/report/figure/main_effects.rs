@@ -41,7 +41,7 @@ fn paint(area: &sheet::Area<'_>, label: &str, factors: &[Factor], coefficients: 
         let frame = sheet::Frame {
             x: (-1.6, 1.6),
             y,
-            x_label: &factor.label,
+            x_label: &factor_name(factor),
             y_label: if first { label } else { "" },
             x_ticks: 3,
             left: margin,
@@ -72,8 +72,12 @@ pub fn level_name(factor: &Factor, coded: f64) -> String {
     if (coded.abs() - 1.0).abs() > 1e-6 {
         return String::new();
     }
-    let unit = factor.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
-    format!("{}{unit}", number::significant(factor.natural(coded), 4))
+    number::plain(factor.natural(coded))
+}
+
+/// A factor's label with its unit.
+pub fn factor_name(factor: &Factor) -> String {
+    with_unit(&factor.label, factor.unit.as_deref().unwrap_or_default())
 }
 
 /// “fold depth, mm”.

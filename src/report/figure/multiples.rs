@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::hem::{View, curves};
+use super::hem::{View, closed, curves};
 use super::sheet::{self, Area, BLUE, Drawn, FULL_WIDTH, GREY, INK, LABEL, SMALL, VERMILLION, line, steps};
 use crate::error::Error;
 use crate::units::CENTIMETRE;
@@ -66,7 +66,9 @@ fn paint(area: &Area<'_>, rows: &[Row], width: f64, height: f64, reach: f64) -> 
             let half = 1.03 * reach / CENTIMETRE;
             let (cx, cy) = (view.centre.x / CENTIMETRE, view.centre.y / CENTIMETRE);
             let mut chart = ChartBuilder::on(&cell).build_cartesian_2d((cx - half)..(cx + half), (cy - half)..(cy + half))?;
-            curves(&mut chart, view, 0.28, 0.16)?;
+            // A thumb's width resolves no more than about 130 points of a curve.
+            curves(&mut chart, view, 0.4, 3)?;
+            sheet::solid(&mut chart, &closed(&view.measured, 1), line(INK, 0.18))?;
             sheet::text_centre(area, caption, left + 0.5 * width, top + height - 1.9, 5.8, INK)?;
         }
     }
@@ -76,15 +78,15 @@ fn paint(area: &Area<'_>, rows: &[Row], width: f64, height: f64, reach: f64) -> 
 /// Line styles, and a bar of ten centimetres in the common scale.
 fn legend(area: &Area<'_>, reach: f64, side: f64) -> Drawn {
     let y = 3.0;
-    area.draw(&Circle::new((steps(1.0), steps(y)), steps(0.4), sheet::fill(INK)))?;
-    sheet::text_left(area, "measured", 3.0, y, LABEL, INK)?;
-    area.draw(&PathElement::new(vec![(steps(24.0), steps(y)), (steps(30.0), steps(y))], line(BLUE, 0.4)))?;
-    sheet::text_left(area, "fitted", 31.5, y, LABEL, INK)?;
+    area.draw(&PathElement::new(vec![(steps(0.0), steps(y)), (steps(6.0), steps(y))], line(INK, 0.18)))?;
+    sheet::text_left(area, "measured", 7.5, y, LABEL, INK)?;
+    area.draw(&PathElement::new(vec![(steps(27.0), steps(y)), (steps(33.0), steps(y))], line(BLUE, 0.5)))?;
+    sheet::text_left(area, "fitted", 34.5, y, LABEL, INK)?;
     for i in 0..3 {
-        let from = 46.0 + 2.4 * f64::from(i);
+        let from = 49.0 + 2.4 * f64::from(i);
         area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(from + 1.5), steps(y))], line(VERMILLION, 0.35)))?;
     }
-    sheet::text_left(area, "predicted (at the fitted fold count)", 54.5, y, LABEL, INK)?;
+    sheet::text_left(area, "predicted (at the fitted fold count)", 57.5, y, LABEL, INK)?;
     let scale = side / (2.0 * 1.03 * reach);
     let bar = 0.1 * scale;
     let right = FULL_WIDTH - 14.0;

@@ -38,7 +38,7 @@ fn paint(area: &sheet::Area<'_>, bars: &[(&str, f64, bool)], critical: f64, alph
     let ticks = ticks(most);
     for &tick in &ticks {
         area.draw(&PathElement::new(vec![(steps(across(tick)), steps(top)), (steps(across(tick)), steps(bottom))], line(PALE, 0.1)))?;
-        sheet::text_centre(area, &number::significant(tick, 3), across(tick), bottom + 2.2, SMALL, INK)?;
+        sheet::text_centre(area, &number::plain(tick), across(tick), bottom + 2.2, SMALL, INK)?;
     }
     sheet::text_centre(area, "|t| = |coefficient| / standard error", left + 0.5 * room, bottom + 6.2, sheet::LABEL, INK)?;
     for (i, (term, t, significant)) in bars.iter().enumerate() {
@@ -67,7 +67,7 @@ fn paint(area: &sheet::Area<'_>, bars: &[(&str, f64, bool)], critical: f64, alph
         ))?;
         from += 2.0;
     }
-    let text = format!("t = {} (α = {})", number::fixed(critical, 2), number::significant(alpha, 2));
+    let text = format!("t = {} (α = {})", number::fixed(critical, 2), number::plain(alpha));
     sheet::text_left(area, &text, across(critical).min(WIDTH - 32.0), top - 2.4, SMALL, sheet::VERMILLION)
 }
 

@@ -1,9 +1,7 @@
 //! Figure: residual panel of one response: against the fitted value, in run order and against the normal law.
 
-use plotters::style::text_anchor::HPos;
-
 use super::main_effects::with_unit;
-use super::sheet::{self, BLUE, Drawn, GREY, INK, SMALL, chart, dashed, dots, line, padded, solid};
+use super::sheet::{self, BLUE, Drawn, GREY, chart, dashed, dots, line, padded, solid};
 use crate::error::Error;
 
 /// Size on paper, mm.
@@ -65,10 +63,7 @@ fn name_extremes(axes: &mut sheet::Chart<'_, '_>, points: &[(f64, &Residual)], f
     let by_residual = |a: &&(f64, &Residual), b: &&(f64, &Residual)| a.1.residual.total_cmp(&b.1.residual);
     let extremes = [points.iter().min_by(by_residual), points.iter().max_by(by_residual)];
     for (x, residual) in extremes.into_iter().flatten() {
-        let right = 0.5 * (frame.x.0 + frame.x.1) < *x;
-        let (text, anchor) =
-            if right { (format!("run {}  ", residual.run), HPos::Right) } else { (format!("  run {}", residual.run), HPos::Left) };
-        sheet::note(axes, &text, (*x, residual.residual), sheet::mark(SMALL, INK, anchor))?;
+        sheet::name_run(axes, &residual.run, (*x, residual.residual), frame.x)?;
     }
     Ok(())
 }

@@ -17,6 +17,9 @@ const POINT: f64 = 25.4 / 72.0;
 /// Width of a full-width figure: the text width of an A4 page, mm.
 pub const FULL_WIDTH: f64 = 170.0;
 
+/// Kept free at the edges of a chart, mm.
+const EDGE: f64 = 0.8;
+
 /// The family that both the PDF and the PNG embed.
 const FAMILY: &str = "DejaVu Sans";
 /// The SVG backend divides font sizes by this.
@@ -134,11 +137,24 @@ pub struct Frame<'t> {
     pub below: f64,
     /// Tick labels of the x axis where numbers would say nothing.
     pub x_names: Option<&'t dyn Fn(f64) -> String>,
+    /// The same of the y axis.
+    pub y_names: Option<&'t dyn Fn(f64) -> String>,
 }
 
 impl Default for Frame<'_> {
     fn default() -> Self {
-        Frame { x: (0.0, 1.0), y: (0.0, 1.0), x_label: "", y_label: "", x_ticks: 6, y_ticks: 5, left: 14.0, below: 10.0, x_names: None }
+        Frame {
+            x: (0.0, 1.0),
+            y: (0.0, 1.0),
+            x_label: "",
+            y_label: "",
+            x_ticks: 6,
+            y_ticks: 5,
+            left: 14.0,
+            below: 10.0,
+            x_names: None,
+            y_names: None,
+        }
     }
 }
 
@@ -147,14 +163,15 @@ pub fn chart<'a, 'b>(area: &'a Area<'b>, frame: &Frame<'_>) -> Result<Chart<'a, 
     let (x, y) = (spread(frame.x), spread(frame.y));
     let mut builder = ChartBuilder::on(area);
     if 0.0 < frame.left {
-        builder.set_label_area_size(LabelAreaPosition::Left, steps(frame.left));
+        // The axis title hugs the edge of its area; half a millimetre more keeps its ascenders on the sheet.
+        builder.margin_left(steps(EDGE)).set_label_area_size(LabelAreaPosition::Left, steps(frame.left - EDGE));
     }
-    builder.set_label_area_size(LabelAreaPosition::Bottom, steps(frame.below));
+    builder.margin_bottom(steps(EDGE)).set_label_area_size(LabelAreaPosition::Bottom, steps(frame.below - EDGE));
     let mut chart = builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?;
     let x_decimals = decimals(x, frame.x_ticks);
     let y_decimals = decimals(y, frame.y_ticks);
     let x_text = |v: &f64| frame.x_names.map_or_else(|| number::fixed(*v, x_decimals), |names| names(*v));
-    let y_text = |v: &f64| number::fixed(*v, y_decimals);
+    let y_text = |v: &f64| frame.y_names.map_or_else(|| number::fixed(*v, y_decimals), |names| names(*v));
     chart
         .configure_mesh()
         .x_labels(frame.x_ticks)
@@ -216,8 +233,16 @@ pub fn dots(chart: &mut Chart<'_, '_>, points: &[(f64, f64)], radius: f64, color
     Ok(())
 }
 
-/// Text inside a chart, anchored at a data point.
-pub fn note(chart: &mut Chart<'_, '_>, text: &str, at: (f64, f64), style: TextStyle<'static>) -> Drawn {
-    chart.draw_series(std::iter::once(Text::new(text.to_string(), at, style)))?;
+/// Text inside a chart, anchored at a data point and moved right by `aside` mm (left if negative).
+pub fn note(chart: &mut Chart<'_, '_>, text: &str, at: (f64, f64), aside: f64, style: TextStyle<'static>) -> Drawn {
+    let label = EmptyElement::at(at) + Text::new(text.to_string(), (steps(aside), 0), style);
+    chart.draw_series(std::iter::once(label))?;
     Ok(())
+}
+
+/// A run's name beside its mark, on the side where there is more room.
+pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64)) -> Drawn {
+    let right_half = 0.5 * (range.0 + range.1) < at.0;
+    let (aside, anchor) = if right_half { (-1.3, HPos::Right) } else { (1.3, HPos::Left) };
+    note(chart, &format!("run {run}"), at, aside, mark(SMALL, INK, anchor))
 }

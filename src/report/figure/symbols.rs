@@ -55,8 +55,8 @@ fn paint(area: &sheet::Area<'_>) -> Drawn {
         line(INK, 0.25),
     ))?;
     sheet::text_left(area, "φ", cx + 13.2, cy - 2.3, LABEL, INK)?;
-    // p: to the mean circle, where the curve crosses it between crest and trough of the second fold.
-    let toward = placement.phase + 0.5 * PI / 5.0 + TAU / 5.0;
+    // p: to the mean circle, under the second crest.
+    let toward = placement.phase + TAU / 5.0;
     area.draw(&path(vec![(0.0, 0.0), (hem.p * toward.cos(), hem.p * toward.sin())], line(VERMILLION, 0.35)))?;
     let mid = (0.52 * hem.p * toward.cos(), 0.52 * hem.p * toward.sin());
     sheet::text_left(area, "p", cx + mid.0 + 1.4, cy - mid.1, LABEL, VERMILLION)?;

@@ -62,6 +62,7 @@ fn all() -> Vec<(String, String)> {
         let mm = |v: f64| v / MILLIMETRE;
         gaps.push(gap::Gap {
             run: id.clone(),
+            cell: gaps.len() / 5,
             rms: mm(comparison.rms),
             mean_radius: mm(comparison.mean_radius),
             depth: mm(comparison.depth),
