@@ -36,6 +36,8 @@ pub const INCH: f64 = 0.0254;
 pub const GRAM_PER_SQUARE_METRE: f64 = 1e-3;
 /// One micronewton metre in N·m.
 pub const MICRONEWTON_METRE: f64 = 1e-6;
+/// One millijoule in joules.
+pub const MILLIJOULE: f64 = 1e-3;
 /// Standard acceleration of free fall, m/s², to the digits that MODEL's reference numbers use.
 pub const STANDARD_GRAVITY: f64 = 9.81;
 

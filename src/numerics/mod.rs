@@ -1,1 +1,5 @@
 //! Mathematics with no textile word in it.
+
+pub mod jet;
+pub mod minimize;
+pub mod quadrature;
