@@ -1,6 +1,7 @@
 //! One file per command: arguments → options → library call → report.
 
 pub mod predict;
+pub mod regress;
 
 use std::process::ExitCode;
 

@@ -1,5 +1,7 @@
 //! Files → experiment; every input fault is found and located here.
 
+pub mod numbers;
+
 use std::path::PathBuf;
 
 use serde::Serialize;

@@ -3,3 +3,5 @@
 pub mod jet;
 pub mod minimize;
 pub mod quadrature;
+pub mod double_double;
+pub mod pivoted_qr;

@@ -1,3 +1,10 @@
 //! Responses over the design; knows nothing of curves or cloth.
 
+pub mod anova;
 pub mod box_wilson;
+pub mod distribution;
+pub mod factorial;
+pub mod family;
+pub mod lenth;
+pub mod linear_model;
+pub mod variances;
