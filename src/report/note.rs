@@ -23,6 +23,13 @@ pub fn of(study: &RunStudy) -> Vec<String> {
         let predicted = if prediction.folds == 0 { "a round hem".into() } else { format!("{} folds", prediction.folds) };
         notes.push(format!("The theory predicts {predicted}, {folds} are fitted; the predicted hem drawn here has {folds}."));
     }
+    for prediction in [&study.prediction, &study.prediction_at_fitted_folds].into_iter().flatten() {
+        for remark in prediction.notes.iter().map(|note| format!("Theory: {}", sentence(note))) {
+            if !notes.contains(&remark) {
+                notes.push(remark);
+            }
+        }
+    }
     if study.profile.as_ref().is_some_and(|p| p.was_scattered()) {
         notes.push("The points came in no order; their order round the hem was reconstructed.".into());
     }
@@ -41,6 +48,14 @@ pub fn of_fit(fit: &HemFit) -> Vec<String> {
             length(fit.outline_length)
         )),
         (Termination::HeldLength { broken }, None) => notes.push(format!("Hem length held, because the free optimum {}.", rule(*broken))),
+        (Termination::InOrder { broken }, held) => {
+            let length = held.map(|h| format!(" ({} mm)", length(h.length))).unwrap_or_default();
+            notes.push(format!(
+                "Even at the held hem length{length} the best fit {}; shown is the curve matched to the outline in order, which is no least-squares optimum.",
+                rule(*broken)
+            ));
+        }
+        (Termination::NotPursued, _) => notes.push("This fold count was not pursued: its match is too far from the outline.".into()),
         (Termination::LengthAsAsked, Some(held)) => notes.push(format!("Hem length held at {} mm, as asked.", length(held.length))),
         (Termination::LengthAsAsked, None) => notes.push("Hem length held, as asked.".into()),
         (Termination::NoFolds, _) => notes.push("Round within its noise: there are no folds to count.".into()),
@@ -60,7 +75,15 @@ pub fn of_fit(fit: &HemFit) -> Vec<String> {
     if fit.hem.overhangs() {
         notes.push("The fitted hem overhangs: some rays from the centre meet it more than once.".into());
     }
+    notes.extend(fit.notes.iter().map(|note| sentence(note)));
     notes
+}
+
+/// A remark of a computation as a sentence: capital first, full stop last.
+pub fn sentence(remark: &str) -> String {
+    let mut letters = remark.trim().trim_end_matches('.').chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
 }
 
 /// The next best fold count, where there is one.
@@ -84,7 +107,9 @@ pub fn termination(ended: &Termination) -> &'static str {
     match ended {
         Termination::Converged => "converged",
         Termination::HeldLength { .. } => "held_length",
+        Termination::InOrder { .. } => "in_order",
         Termination::LengthAsAsked => "length_as_asked",
+        Termination::NotPursued => "not_pursued",
         Termination::NoFolds => "no_folds",
         Termination::Stalled => "stalled",
         Termination::EvaluationLimit => "evaluation_limit",

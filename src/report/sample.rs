@@ -1,19 +1,21 @@
 //! A campaign to draw in tests: the shipped outlines with a crude curve through each, so that pages look as they will without fitting anything.
 //!
-//! Numbers have realistic sizes and are not results: the curve is the strongest harmonic of the radius, theory is that curve shrunk.
+//! Numbers have realistic sizes and are not results: the curve is the strongest harmonic of the radius. Theory, λ and statistics are the real ones, on that curve.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{Apparatus, Campaign, Design, DrapeProfile, Fabric, Factor, Point, Run, Skirt};
-use crate::fit::lambda::Lambda;
+use crate::fit::lambda::{Lambda, lambda};
 use crate::fit::{Candidate, Estimate, HeldLength, HemFit, Rule, Termination};
 use crate::model::hem::{Hem, Placement};
-use crate::simulate::{self, Branch, Prediction};
-use crate::statistics::box_wilson::Coefficient;
-use crate::study::campaign::{CampaignStudy, Comparison, RunStudy};
-use crate::units::{CENTIMETRE, GRAM_PER_SQUARE_METRE, KilogramPerSquareMetre, MICRONEWTON_METRE, Metre, NewtonMetre};
+use crate::simulate::{self, Prediction};
+use crate::statistics::box_wilson::{Analysis, Coefficient, Options, analyse};
+use crate::statistics::factorial::{Axis, FactorialDesign};
+use crate::statistics::family::adjust;
+use crate::study::campaign::{CampaignStudy, Comparison, Regression, RunStudy};
+use crate::units::{CENTIMETRE, GRAM_PER_SQUARE_METRE, KilogramPerSquareMetre, MICRONEWTON_METRE, MILLIMETRE, Metre, NewtonMetre};
 
 fn data() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data")
@@ -51,7 +53,22 @@ pub fn study() -> CampaignStudy {
         gravity: 9.81,
         foundation_modulus: 0.0,
     };
-    CampaignStudy { campaign, runs }
+    let axes = factors().into_iter().map(|f| Axis { name: f.name, low: f.low, high: f.high }).collect();
+    let design = FactorialDesign::new(axes, runs.iter().map(|r| r.run.levels.clone()).collect()).unwrap();
+    let values = |pick: fn(&HemFit) -> f64| runs.iter().map(|r| r.fit.as_ref().ok().map(pick)).collect::<Vec<_>>();
+    let responses: [(&str, fn(&HemFit) -> f64); 6] = [
+        ("p_mm", |f| f.hem.p / MILLIMETRE),
+        ("q_mm", |f| f.hem.q / MILLIMETRE),
+        ("s_mm", |f| f.hem.s / MILLIMETRE),
+        ("m", |f| f64::from(f.hem.folds)),
+        ("rms_mm", |f| f.rms / MILLIMETRE),
+        ("fold_depth_mm", |f| f.fold_depth / MILLIMETRE),
+    ];
+    let mut analyses: Vec<Analysis> =
+        responses.iter().map(|(_, pick)| analyse(&design, &values(*pick), &Options::default()).unwrap()).collect();
+    adjust(&mut analyses);
+    let regressions = responses.iter().zip(analyses).map(|((name, _), a)| Regression { response: name.to_string(), analysis: Ok(a) });
+    CampaignStudy { campaign, regressions: regressions.collect(), notes: vec!["Sample of the tests.".into()], runs }
 }
 
 fn run(line: &str) -> RunStudy {
@@ -90,24 +107,9 @@ fn run(line: &str) -> RunStudy {
         .collect();
     let profile = DrapeProfile::new(&points).unwrap();
     let fit = crude_fit(&profile, &run.id);
-    let (prediction, comparison) = crude_prediction(&fit, &run.id);
-    let estimate = |value: f64| Estimate { value, standard_error: Some(0.13 * value) };
-    let lambda = Lambda {
-        first_integral: Some((estimate(0.18 * fit.hem.q), 0.04 + fit.hem.q)),
-        ritz: Some((estimate(0.19 * fit.hem.q), 38.1)),
-        ruled: Some((estimate(0.03 * fit.hem.q), 61.0)),
-        over_weight: Some((estimate(0.09 * fit.hem.q), 0.04 + fit.hem.q)),
-        missing: None,
-    };
-    RunStudy {
-        run,
-        profile: Some(profile),
-        fit: Ok(fit),
-        lambda,
-        prediction: Some(prediction.clone()),
-        prediction_at_fitted_folds: Some(prediction),
-        comparison: Some(comparison),
-    }
+    let (prediction, prediction_at_fitted_folds, comparison) = predict(&run, &fit);
+    let lambda = lambda(&fit.hem, None, run.skirt.as_ref(), &run.fabric, 9.81, 0.0);
+    RunStudy { run, profile: Some(profile), fit: Ok(fit), lambda, prediction, prediction_at_fitted_folds, comparison }
 }
 
 /// The strongest of 3…10 harmonics of r over the polar angle.
@@ -171,41 +173,26 @@ fn crude_fit(profile: &DrapeProfile, run: &str) -> HemFit {
         held: held.then(|| HeldLength { length: hem.perimeter(), multiplier: 1e-3 }),
         termination: if held { Termination::HeldLength { broken: Rule::Length } } else { Termination::Converged },
         evaluations: 120,
+        notes: vec![],
     }
 }
 
-fn crude_prediction(fit: &HemFit, run: &str) -> (Prediction, Comparison) {
-    let hem = Hem { p: 0.94 * fit.hem.p, q: 1.15 * fit.hem.q, s: 1.6 * fit.hem.s, ..fit.hem };
-    let (low, high) = hem.radius_range();
-    let off = u32::from(run.ends_with('3'));
-    let branch = |folds: u32| Branch {
-        asked: folds,
-        folds,
-        energy: 2e-3 + 1e-5 * f64::from(folds),
-        depth: high - low,
-        termination: simulate::Termination::Converged,
-    };
-    let prediction = Prediction {
-        fidelity: "ruled(K = 8)".into(),
-        folds: hem.folds + off,
-        energy: 2.1e-3,
-        terms: vec![],
-        hem_radius_min: low,
-        hem_radius_max: high,
-        coefficients: vec![1.38, -0.1],
-        outline: hem.outline(&Placement::ORIGIN, 360),
-        termination: simulate::Termination::Converged,
-        evaluations: 40,
-        branches: (3..=9).map(branch).collect(),
-    };
+/// The real theory, laid over the crude fit by its centre and phase.
+fn predict(run: &Run, fit: &HemFit) -> (Option<Prediction>, Option<Prediction>, Option<Comparison>) {
+    let skirt = run.skirt.unwrap();
+    let free = simulate::predict(&skirt, &run.fabric, &simulate::Options::default()).unwrap();
+    let options = simulate::Options { folds: simulate::Folds::Exactly(fit.hem.folds), ..simulate::Options::default() };
+    let same = simulate::predict(&skirt, &run.fabric, &options).unwrap();
+    let outline = &same.outline;
+    let area = 0.5 * outline.iter().zip(outline.iter().cycle().skip(1)).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>();
     let comparison = Comparison {
-        folds: i64::from(off),
+        folds: i64::from(free.folds) - i64::from(fit.hem.folds),
         rms: 1.3 * fit.rms,
-        depth: high - low - fit.fold_depth,
-        mean_radius: (hem.area() / std::f64::consts::PI).sqrt() - (fit.area / std::f64::consts::PI).sqrt(),
+        depth: same.depth() - fit.fold_depth,
+        mean_radius: (area / std::f64::consts::PI).sqrt() - (fit.area / std::f64::consts::PI).sqrt(),
         placement: fit.placement,
     };
-    (prediction, comparison)
+    (Some(free), Some(same), Some(comparison))
 }
 
 /// Coefficients of a full 2³ model with one error for all.
@@ -229,6 +216,7 @@ pub fn coefficients() -> Vec<Coefficient> {
         p: Some(if estimate.abs() < 2.0369 * se { 0.2 } else { 1e-5 }),
         ci_low: Some(estimate - 2.0369 * se),
         ci_high: Some(estimate + 2.0369 * se),
+        p_benjamini_hochberg: None,
         p_holm: Some(if estimate.abs() < 2.0369 * se { 1.0 } else { 1e-4 }),
         significant: 2.0369 * se < estimate.abs(),
     };

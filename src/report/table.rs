@@ -4,7 +4,7 @@ use super::csv::{Cell, Table};
 use super::note;
 use crate::experiment::DrapeProfile;
 use crate::fit::lambda::Lambda;
-use crate::fit::{Estimate, HemFit};
+use crate::fit::{Estimate, HemFit, Termination};
 use crate::import::Quarantined;
 use crate::simulate;
 use crate::statistics::box_wilson::Coefficient;
@@ -12,7 +12,7 @@ use crate::study::campaign::RunStudy;
 use crate::units::MILLIMETRE;
 
 /// The columns of `fits.csv` in order; the first 23 are fixed for good, later ones may be added to at the end.
-pub const FIT_COLUMNS: [&str; 50] = [
+pub const FIT_COLUMNS: [&str; 52] = [
     "run",
     "n_points",
     "termination",
@@ -43,6 +43,8 @@ pub const FIT_COLUMNS: [&str; 50] = [
     "lambda_over_weight",
     "lambda_over_weight_se",
     "lambda_over_weight_r2",
+    "lambda_over_weight_ritz",
+    "lambda_over_weight_ritz_angle_deg",
     "lambda_missing",
     "explained_share",
     "overhangs",
@@ -106,7 +108,7 @@ fn fit_row(row: &FitRow<'_>) -> Vec<Cell> {
         Err(_) => "no_fit",
     };
     let broken = fit.and_then(|f| match f.termination {
-        crate::fit::Termination::HeldLength { broken } => Some(note::rule_name(broken)),
+        Termination::HeldLength { broken } | Termination::InOrder { broken } => Some(note::rule_name(broken)),
         _ => None,
     });
     let l = row.lambda;
@@ -145,6 +147,8 @@ fn fit_row(row: &FitRow<'_>) -> Vec<Cell> {
         l.over_weight.map(|(e, _)| e.value).into(),
         l.over_weight.and_then(|(e, _)| e.standard_error).into(),
         l.over_weight.map(|(_, r2)| r2).into(),
+        l.over_weight_ritz.map(|(e, _)| e.value).into(),
+        l.over_weight_ritz.map(|(_, angle)| angle).into(),
         l.missing.clone().into(),
         folds.and(fit).map(|f| f.explained).into(),
         fit.map(|f| f.hem.overhangs()).into(),

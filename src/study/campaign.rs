@@ -6,6 +6,7 @@ use crate::experiment::{Campaign, DrapeProfile, Run};
 use crate::fit::HemFit;
 use crate::fit::lambda::Lambda;
 use crate::simulate::Prediction;
+use crate::statistics::box_wilson::Analysis;
 
 /// Theory against measurement for one run, after the best shift and turn; metres.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,4 +45,17 @@ pub struct CampaignStudy {
     pub campaign: Campaign,
     /// In run order.
     pub runs: Vec<RunStudy>,
+    /// One for each response of the campaign, in its order.
+    pub regressions: Vec<Regression>,
+    /// What a reader should know about the whole, in words.
+    pub notes: Vec<String>,
+}
+
+/// One response regressed on the factors.
+#[derive(Debug, Clone)]
+pub struct Regression {
+    /// Named like its column of the fits table, unit suffix included: the analysis is in that unit.
+    pub response: String,
+    /// The analysis, or why there is none.
+    pub analysis: Result<Analysis, String>,
 }
