@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::comparison::{Comparison, compare};
-use super::response::{self, Response};
+use super::response;
 use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Skirt, Source};
 use crate::fit::lambda::{Lambda, lambda};
 use crate::fit::{self, HemFit};
@@ -34,8 +34,9 @@ pub struct RunStudy {
 
 /// One response over the whole design.
 #[derive(Debug, Clone)]
-pub struct ResponseStudy {
-    pub response: Response,
+pub struct Regression {
+    /// Its column of the fits table; the suffix is the unit.
+    pub response: String,
     /// One per run, in run order; `None` where the run has no such number.
     pub values: Vec<Option<f64>>,
     /// The analysis, or why there is none.
@@ -49,7 +50,7 @@ pub struct CampaignStudy {
     /// In run order.
     pub runs: Vec<RunStudy>,
     /// In the order that the campaign asks for.
-    pub responses: Vec<ResponseStudy>,
+    pub regressions: Vec<Regression>,
     /// What was set aside on reading.
     pub quarantine: Vec<Quarantined>,
     /// What was read.
@@ -84,8 +85,8 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
             study
         })
         .collect();
-    let responses = regress(&campaign, &runs, &mut notes);
-    CampaignStudy { campaign, runs, responses, quarantine, sources, notes }
+    let regressions = regress(&campaign, &runs, &mut notes);
+    CampaignStudy { campaign, runs, regressions, quarantine, sources, notes }
 }
 
 fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> RunStudy {
@@ -145,7 +146,7 @@ fn drape_coefficient(tester: &Skirt, outline: &[Point]) -> f64 {
     (area - support) / (specimen - support)
 }
 
-fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> Vec<ResponseStudy> {
+fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> Vec<Regression> {
     let weighed = response::weighed(campaign);
     let axes = campaign.design.factors.iter().map(|f| Axis { name: f.name.clone(), low: f.low, high: f.high }).collect();
     let levels = runs.iter().map(|r| r.run.levels.clone()).collect();
@@ -158,10 +159,17 @@ fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> V
         notes.push(format!("no regression: {reason}"));
     }
     let options = box_wilson::Options { alpha: campaign.alpha };
-    let mut studies: Vec<ResponseStudy> = campaign
+    let mut studies: Vec<Regression> = campaign
         .responses
         .iter()
-        .filter_map(|name| response::named(name, weighed))
+        .filter_map(|name| {
+            let found = response::named(name, weighed);
+            if found.is_none() {
+                let known: Vec<&str> = response::RESPONSES.iter().map(|r| r.name).collect();
+                notes.push(format!("“{name}” is no response and was left out; known are {}", known.join(", ")));
+            }
+            found
+        })
         .map(|response| {
             let values: Vec<Option<f64>> = runs.iter().map(|run| response::value(&response, run)).collect();
             let analysis = match &design {
@@ -171,7 +179,7 @@ fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> V
                 Ok(_) => Err("no run has this number".into()),
                 Err(reason) => Err(reason.clone()),
             };
-            ResponseStudy { response, values, analysis }
+            Regression { response: response.column.to_string(), values, analysis }
         })
         .collect();
     let mut analyses: Vec<Analysis> = studies.iter().filter_map(|s| s.analysis.as_ref().ok().cloned()).collect();

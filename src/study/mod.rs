@@ -2,4 +2,5 @@
 
 pub mod campaign;
 pub mod comparison;
+pub mod overview;
 pub mod response;

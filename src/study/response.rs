@@ -2,39 +2,38 @@
 
 use super::campaign::RunStudy;
 use crate::experiment::Campaign;
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, PERCENT};
 
-/// A response by name: its unit and what it is.
+/// A response: the short name by which a campaign asks for it, and its column of the fits table, whose suffix is its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Response {
     pub name: &'static str,
-    pub unit: &'static str,
-    pub meaning: &'static str,
+    pub column: &'static str,
 }
 
-/// Every response that a campaign may ask for.
+/// Every response that a campaign may ask for, by either name.
 pub const RESPONSES: [Response; 15] = [
-    Response { name: "p", unit: "mm", meaning: "mean radius of the hem" },
-    Response { name: "q", unit: "mm", meaning: "fold amplitude" },
-    Response { name: "s", unit: "mm", meaning: "sideways lean of the folds" },
-    Response { name: "m", unit: "folds", meaning: "fold count" },
-    Response { name: "lambda", unit: "N/m²", meaning: "multiplier λ by the first integral" },
-    Response { name: "lambda_over_weight", unit: "1", meaning: "multiplier over weight, λ/(ρ_A g), by the first integral" },
-    Response { name: "lambda_ritz", unit: "N/m²", meaning: "multiplier λ by the Ritz condition" },
-    Response { name: "lambda_ruled", unit: "mN", meaning: "multiplier λ of the ruled shell" },
-    Response { name: "rms", unit: "mm", meaning: "root mean square distance of the outline from the curve" },
-    Response { name: "fold_depth", unit: "mm", meaning: "fold depth, greatest minus least radius of the curve" },
-    Response { name: "mean_radius", unit: "mm", meaning: "radius of the circle of equal area" },
-    Response { name: "perimeter", unit: "mm", meaning: "perimeter of the curve" },
-    Response { name: "explained", unit: "%", meaning: "share of the outline's departure from a circle that the curve explains" },
-    Response { name: "drape_coefficient", unit: "%", meaning: "drape coefficient" },
-    Response { name: "theory_gap", unit: "mm", meaning: "root mean square distance of the outline from the predicted hem" },
+    Response { name: "p", column: "p_mm" },
+    Response { name: "q", column: "q_mm" },
+    Response { name: "s", column: "s_mm" },
+    Response { name: "m", column: "m" },
+    Response { name: "lambda", column: "lambda_first_integral_n_m2" },
+    Response { name: "lambda_over_weight", column: "lambda_over_weight" },
+    Response { name: "lambda_ritz", column: "lambda_ritz_n_m2" },
+    Response { name: "lambda_ruled", column: "lambda_ruled_n" },
+    Response { name: "rms", column: "rms_mm" },
+    Response { name: "fold_depth", column: "fold_depth_mm" },
+    Response { name: "mean_radius", column: "mean_radius_mm" },
+    Response { name: "perimeter", column: "perimeter_mm" },
+    Response { name: "explained", column: "explained_share" },
+    Response { name: "drape_coefficient", column: "drape_coefficient_percent" },
+    Response { name: "theory_gap", column: "theory_gap_mm" },
 ];
 
-/// The response of that name; λ stands for λ/(ρ_A g) in a campaign whose cloth was not weighed.
+/// The response of that name; `lambda` is λ/(ρ_A g) in a campaign whose cloth was not weighed.
 pub fn named(name: &str, weighed: bool) -> Option<Response> {
     let name = if name == "lambda" && !weighed { "lambda_over_weight" } else { name };
-    RESPONSES.into_iter().find(|r| r.name == name)
+    RESPONSES.into_iter().find(|r| r.name == name || r.column == name)
 }
 
 /// Whether any run of the campaign has an areal density.
@@ -42,7 +41,7 @@ pub fn weighed(campaign: &Campaign) -> bool {
     campaign.design.runs.iter().any(|run| run.fabric.areal_density.is_some())
 }
 
-/// The value of a response for one run, in the response's unit; `None` where it does not exist.
+/// The value of a response for one run, in the unit of its column; `None` where it does not exist.
 pub fn value(response: &Response, run: &RunStudy) -> Option<f64> {
     let fit = run.fit.as_ref().ok()?;
     let millimetres = |metres: f64| metres / MILLIMETRE;
@@ -54,13 +53,13 @@ pub fn value(response: &Response, run: &RunStudy) -> Option<f64> {
         "lambda" => run.lambda.first_integral.map(|(estimate, _)| estimate.value),
         "lambda_over_weight" => run.lambda.over_weight.map(|(estimate, _)| estimate.value),
         "lambda_ritz" => run.lambda.ritz.map(|(estimate, _)| estimate.value),
-        "lambda_ruled" => run.lambda.ruled.map(|(estimate, _)| estimate.value / crate::units::MILLINEWTON),
+        "lambda_ruled" => run.lambda.ruled.map(|(estimate, _)| estimate.value),
         "rms" => Some(millimetres(fit.rms)),
         "fold_depth" => Some(millimetres(fit.fold_depth)),
         "mean_radius" => Some(millimetres((fit.area / std::f64::consts::PI).sqrt())),
         "perimeter" => Some(millimetres(fit.perimeter)),
-        "explained" => Some(fit.explained / crate::units::PERCENT),
-        "drape_coefficient" => run.drape_coefficient.map(|share| share / crate::units::PERCENT),
+        "explained" => Some(fit.explained),
+        "drape_coefficient" => run.drape_coefficient.map(|share| share / PERCENT),
         "theory_gap" => run.comparison.as_ref().map(|c| millimetres(c.rms)),
         _ => None,
     }
