@@ -5,6 +5,8 @@ pub mod box_wilson;
 pub mod distribution;
 pub mod factorial;
 pub mod family;
+pub mod incomplete_beta;
 pub mod lenth;
 pub mod linear_model;
+pub mod residuals;
 pub mod variances;
