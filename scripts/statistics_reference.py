@@ -6,6 +6,7 @@ Versions are written into the fixture. Random designs come from numpy's PCG64 wi
 """
 import itertools
 import json
+import re
 from pathlib import Path
 
 import mpmath as mp
@@ -119,12 +120,14 @@ def weighted_case(seed):
 def anova_case(seed, drop):
     levels, _, y = factorial(3, 3, seed, drop=drop)
     frame = pd.DataFrame(levels, columns=list("abc")).assign(y=y)
-    # Sum-to-zero coding: the levels themselves.
-    model = ols("y ~ a*b*c", frame).fit()
+    # Sum-to-zero coding of categories: the levels themselves up to sign, and the terms in the order of their degree (numeric columns would
+    # be ordered otherwise, which type I feels).
+    model = ols("y ~ C(a, Sum) * C(b, Sum) * C(c, Sum)", frame).fit()
     sources = ["a", "b", "c", "a:b", "a:c", "b:c", "a:b:c"]
     case = {"levels": levels.tolist(), "y": y.tolist(), "sources": sources}
     for typ in (1, 2, 3):
         table = anova_lm(model, typ=typ)
+        table.index = [re.sub(r"C\((\w), Sum\)", r"\1", row) for row in table.index]
         case[f"type{typ}"] = [[float(table.loc[s, "sum_sq"]), float(table.loc[s, "F"]), float(table.loc[s, "PR(>F)"])] for s in sources]
     return case
 

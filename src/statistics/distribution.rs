@@ -9,6 +9,7 @@
 //! [`crate::statistics::incomplete_beta`].
 
 use statrs::function::gamma::gamma_ur;
+pub use statrs::function::gamma::ln_gamma;
 
 use crate::statistics::incomplete_beta::regularized;
 

@@ -4,7 +4,7 @@
 //! its continued fraction stops after 140 steps without saying so. Measured against 50-digit arithmetic on Student tails: 4e-9 relative at
 //! t = 0.001, 10⁵ degrees of freedom. Here both x and 1 − x are given and the large parts of ln B are cancelled by hand.
 
-use statrs::function::gamma::ln_gamma;
+use crate::statistics::distribution::ln_gamma;
 
 /// `I_x(a, b)` for a, b > 0 and `x + y = 1`, the smaller of x and y being accurate.
 ///

@@ -1,6 +1,7 @@
 //! Responses over the design; knows nothing of curves or cloth.
 
 pub mod anova;
+pub mod box_cox;
 pub mod box_wilson;
 pub mod distribution;
 pub mod factorial;
@@ -8,5 +9,8 @@ pub mod family;
 pub mod incomplete_beta;
 pub mod lenth;
 pub mod linear_model;
+pub mod permutation;
+pub mod power;
 pub mod residuals;
+pub mod sums_of_squares;
 pub mod variances;
