@@ -1,7 +1,7 @@
 //! Mathematics with no textile word in it.
 
+pub mod double_double;
 pub mod jet;
 pub mod minimize;
-pub mod quadrature;
-pub mod double_double;
 pub mod pivoted_qr;
+pub mod quadrature;

@@ -6,7 +6,7 @@ use crate::error::Error;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 170.0;
-pub const HEIGHT: f64 = 48.0;
+pub const HEIGHT: f64 = 36.0;
 
 /// One observation of a response, in run order.
 #[derive(Debug, Clone)]

@@ -94,6 +94,13 @@ fn anchored(size: f64, color: RGBColor, bold: bool, horizontal: HPos, vertical: 
     TextStyle { font: font(size).style(style), color: color.to_backend_color(), pos: Pos::new(horizontal, vertical) }
 }
 
+/// The size, points, at which `text` is at most `width` mm wide: `size`, or smaller.
+pub fn fitted(text: &str, width: f64, size: f64) -> f64 {
+    // DejaVu Sans sets mixed text 0.58 em wide a letter.
+    let natural = 0.58 * POINT * size * text.chars().count() as f64;
+    if natural <= width { size } else { size * width / natural }
+}
+
 /// Text whose left edge is at `x`, its middle line at `y` (mm on the area).
 pub fn text_left(area: &Area<'_>, text: &str, x: f64, y: f64, size: f64, color: RGBColor) -> Drawn {
     put(area, text, x, y, &anchored(size, color, false, HPos::Left, VPos::Center))
