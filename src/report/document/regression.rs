@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::experiment::Factor;
-use crate::report::gallery::Gallery;
+use crate::report::gallery::{Gallery, regression_stem};
 use crate::report::number::{fixed, plain, probability, significant, to_error, with_error};
 use crate::report::words::{self, Response};
 use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Verdict};
@@ -12,7 +12,7 @@ use crate::study::campaign::{CampaignStudy, Regression};
 /// The page of one response.
 pub fn page(regression: &Regression, study: &CampaignStudy, gallery: &Gallery) -> Value {
     let said = words::response(&regression.response);
-    let stem = words::file_stem(&regression.response);
+    let stem = regression_stem(&regression.response);
     let figure = |kind: &str| Some(format!("{stem}_{kind}")).filter(|name| gallery.contains_key(name));
     let analysis = match &regression.analysis {
         Ok(analysis) => analysis,

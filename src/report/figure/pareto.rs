@@ -20,9 +20,12 @@ const PITCH: f64 = 4.0;
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
 pub fn draw(response: &str, n: usize, coefficients: &[Coefficient], critical: f64, alpha: f64) -> Result<String, Error> {
-    let mut bars: Vec<(&str, f64, bool)> =
-        coefficients.iter().filter(|c| c.term != "1").filter_map(|c| Some((c.term.as_str(), c.t?.abs(), c.significant))).collect();
-    bars.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
+    let mut bars: Vec<(String, f64, bool)> = coefficients
+        .iter()
+        .filter(|c| c.term != "1")
+        .filter_map(|c| Some((c.term.replace(':', " × "), c.t?.abs(), c.significant)))
+        .collect();
+    bars.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let height = 19.0 + PITCH * bars.len() as f64;
     sheet::draw(&format!("Pareto chart of {response}"), WIDTH, height, |area| {
         sheet::title(area, &format!("{response}: standardized effects, n = {n}"), 0.5, 2.5)?;
@@ -30,10 +33,10 @@ pub fn draw(response: &str, n: usize, coefficients: &[Coefficient], critical: f6
     })
 }
 
-fn paint(area: &sheet::Area<'_>, bars: &[(&str, f64, bool)], critical: f64, alpha: f64, height: f64) -> Drawn {
+fn paint(area: &sheet::Area<'_>, bars: &[(String, f64, bool)], critical: f64, alpha: f64, height: f64) -> Drawn {
     let longest = bars.iter().map(|b| b.0.chars().count()).max().unwrap_or(1) as f64;
     // DejaVu Sans is about 0.21 mm wide per point and letter.
-    let left = (1.36 * longest + 2.0).clamp(8.0, 34.0);
+    let left = (1.36 * longest + 2.0).clamp(8.0, 38.0);
     let (top, bottom) = (9.0, height - 9.0);
     let most = bars.iter().map(|b| b.1).fold(critical, f64::max);
     let room = WIDTH - left - 12.0;

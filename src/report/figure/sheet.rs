@@ -247,9 +247,12 @@ pub fn note(chart: &mut Chart<'_, '_>, text: &str, at: (f64, f64), aside: f64, s
     Ok(())
 }
 
-/// A run's name beside its mark, on the side where there is more room.
-pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64)) -> Drawn {
+/// A run's name above or below its mark, towards the middle of the x range.
+pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64), above: bool) -> Drawn {
     let right_half = 0.5 * (range.0 + range.1) < at.0;
-    let (aside, anchor) = if right_half { (-1.3, HPos::Right) } else { (1.3, HPos::Left) };
-    note(chart, &format!("run {run}"), at, aside, mark(SMALL, INK, anchor))
+    let (aside, anchor) = if right_half { (1.0, HPos::Right) } else { (-1.0, HPos::Left) };
+    let up = if above { -2.4 } else { 2.4 };
+    let name = Text::new(format!("run {run}"), (steps(aside), steps(up)), mark(SMALL, INK, anchor));
+    chart.draw_series(std::iter::once(EmptyElement::at(at) + name))?;
+    Ok(())
 }
