@@ -3,9 +3,11 @@
 pub mod campaign;
 pub mod design;
 pub mod profile;
+pub mod provenance;
 pub mod specimen;
 
 pub use campaign::Campaign;
 pub use design::{Design, Factor, Run};
 pub use profile::{DrapeProfile, Point};
+pub use provenance::{Quarantined, Source};
 pub use specimen::{Apparatus, Fabric, Skirt};

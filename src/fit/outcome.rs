@@ -85,6 +85,8 @@ pub struct HemFit {
     /// `None` where the outline shows no folds.
     pub q: Option<Estimate>,
     pub s: Option<Estimate>,
+    /// Covariance of (p, q, s), m²; `None` where the outline does not determine them.
+    pub covariance: Option<[[f64; 3]; 3]>,
     /// `None` where the outline shows no folds.
     pub folds: Option<u32>,
     /// Akaike weight of the chosen fold count among the sane candidates.

@@ -2,6 +2,7 @@
 
 pub mod double_double;
 pub mod jet;
+pub mod least_squares;
 pub mod minimize;
 pub mod pivoted_qr;
 pub mod quadrature;

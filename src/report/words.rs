@@ -17,7 +17,8 @@ pub fn response(name: &str) -> Response {
 }
 
 /// Unit suffixes, longest first where one ends with another.
-const UNITS: [(&str, &str); 9] = [
+const UNITS: [(&str, &str); 10] = [
+    ("_percent", "%"),
     ("_n_m2", "N/m²"),
     ("_mm2", "mm²"),
     ("_mm", "mm"),
@@ -29,13 +30,16 @@ const UNITS: [(&str, &str); 9] = [
     ("_j", "J"),
 ];
 
-const LABELS: [(&str, &str); 14] = [
+const LABELS: [(&str, &str); 17] = [
     ("p", "Mean radius p"),
     ("q", "Fold amplitude q"),
     ("s", "Lean s"),
     ("m", "Fold count m"),
     ("rms", "Misfit rms"),
     ("fold_depth", "Fold depth"),
+    ("mean_radius", "Radius of equal area"),
+    ("drape_coefficient", "Drape coefficient"),
+    ("theory_gap", "Distance from the predicted hem"),
     ("perimeter", "Perimeter"),
     ("area", "Area"),
     ("explained_share", "Explained share"),
