@@ -74,6 +74,23 @@ impl Table {
         Table { columns: columns.iter().map(|c| c.to_string()).collect(), rows: vec![] }
     }
 
+    /// The rows as a JSON array of objects, null where a quantity does not exist.
+    ///
+    /// # Errors
+    /// What the writer refuses.
+    pub fn write_json(&self, to: &mut impl Write) -> io::Result<()> {
+        let value = |cell: &Cell| match cell {
+            Cell::Empty => serde_json::Value::Null,
+            Cell::Text(text) => text.as_str().into(),
+            Cell::Integer(integer) => (*integer).into(),
+            Cell::Number(number) => (*number).into(),
+        };
+        let object = |row: &Vec<Cell>| self.columns.iter().cloned().zip(row.iter().map(value)).collect::<serde_json::Map<_, _>>();
+        let rows: Vec<_> = self.rows.iter().map(object).collect();
+        serde_json::to_writer_pretty(&mut *to, &rows)?;
+        writeln!(to)
+    }
+
     /// Adds one row; a row of the wrong width is our mistake.
     pub fn push(&mut self, row: Vec<Cell>) {
         assert_eq!(row.len(), self.columns.len(), "a row of {} cells under {} columns", row.len(), self.columns.len());

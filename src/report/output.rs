@@ -1,6 +1,7 @@
 //! How a result file gets onto the disk: written beside its place, then renamed, so that nobody ever reads half of one.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
@@ -13,16 +14,25 @@ pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, Error> 
     let path = folder.join(name);
     let parent = path.parent().unwrap_or(folder);
     fs::create_dir_all(parent).map_err(|source| Error::file(parent, source))?;
-    let mut beside = path.clone().into_os_string();
-    beside.push(".part");
-    let beside = PathBuf::from(beside);
-    let written = fs::write(&beside, bytes).and_then(|()| fs::rename(&beside, &path));
-    if let Err(source) = written {
-        // What remains of a failed write is of no use; that it cannot be removed either changes nothing about the error.
-        let _ = fs::remove_file(&beside);
-        return Err(Error::file(path, source));
-    }
+    let refused = |source| Error::file(&path, source);
+    // A name of its own: two programs that write the same report do not write into each other's unfinished file.
+    let mut beside = unfinished(parent).map_err(refused)?;
+    beside.write_all(bytes).and_then(|()| beside.flush()).map_err(refused)?;
+    beside.persist(&path).map_err(|failed| refused(failed.error))?;
     Ok(path)
+}
+
+/// An unfinished file in `folder`; it vanishes if it is not renamed.
+fn unfinished(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".hemline-").suffix(".part");
+    #[cfg(unix)]
+    {
+        // As readable as any new file: a report is for others, the umask decides.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]
