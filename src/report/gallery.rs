@@ -24,7 +24,7 @@ pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
     let mut gallery = Gallery::new();
     gallery.insert("symbols".into(), symbols::draw()?);
     for (i, page) in multiples::draw(&rows(study))?.into_iter().enumerate() {
-        gallery.insert(format!("all_runs_{}", i + 1), page);
+        gallery.insert(format!("all_runs_{:02}", i + 1), page);
     }
     for run in &study.runs {
         let id = words::file_stem(&run.run.id);
@@ -37,13 +37,18 @@ pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
     }
     for regression in &study.regressions {
         if let Ok(analysis) = &regression.analysis {
-            let stem = words::file_stem(&regression.response);
+            let stem = regression_stem(&regression.response);
             let said = words::response(&regression.response);
             draw_response(&mut gallery, &stem, &said, study, analysis)?;
         }
     }
     draw_theory(&mut gallery, study)?;
     Ok(gallery)
+}
+
+/// The common beginning of the names of a response's figures.
+pub fn regression_stem(response: &str) -> String {
+    format!("regression_{}", words::file_stem(response))
 }
 
 fn draw_response(gallery: &mut Gallery, stem: &str, said: &Response, study: &CampaignStudy, analysis: &Analysis) -> Result<(), Error> {

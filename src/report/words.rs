@@ -56,9 +56,18 @@ fn spelled(stem: &str) -> String {
     letters.next().map(|c| c.to_uppercase().collect::<String>() + letters.as_str()).unwrap_or_default()
 }
 
-/// A name as a file on any system: letters, digits, `-` and `_`; anything else becomes `-`.
+/// A name as part of a file's: letters, digits, `-` and `_` stay, everything else is percent-encoded, so that different names stay different.
 pub fn file_stem(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() || c == '_' || c == '-' { c } else { '-' }).collect()
+    let mut stem = String::with_capacity(name.len());
+    for c in name.chars() {
+        if c.is_alphanumeric() || c == '_' || c == '-' {
+            stem.push(c);
+        } else {
+            let mut bytes = [0; 4];
+            c.encode_utf8(&mut bytes).bytes().for_each(|b| stem.push_str(&format!("%{b:02X}")));
+        }
+    }
+    stem
 }
 
 #[cfg(test)]
@@ -78,7 +87,9 @@ mod tests {
     }
 
     #[test]
-    fn file_names_hold_no_separators() {
-        assert_eq!(file_stem("3/a: ü.2"), "3-a--ü-2");
+    fn file_names_hold_no_separators_and_stay_different() {
+        assert_eq!(file_stem("3/a ü"), "3%2Fa%20ü");
+        assert_ne!(file_stem("3/a"), file_stem("3-a"));
+        assert_ne!(file_stem("3/a"), file_stem("3%2Fa"));
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::experiment::Factor;
-use crate::report::gallery::Gallery;
+use crate::report::gallery::{Gallery, regression_stem};
 use crate::report::number::{fixed, plain, probability, significant, to_error, with_error};
 use crate::report::words::{self, Response};
 use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Verdict};
@@ -12,7 +12,7 @@ use crate::study::campaign::{CampaignStudy, Regression};
 /// The page of one response.
 pub fn page(regression: &Regression, study: &CampaignStudy, gallery: &Gallery) -> Value {
     let said = words::response(&regression.response);
-    let stem = words::file_stem(&regression.response);
+    let stem = regression_stem(&regression.response);
     let figure = |kind: &str| Some(format!("{stem}_{kind}")).filter(|name| gallery.contains_key(name));
     let analysis = match &regression.analysis {
         Ok(analysis) => analysis,
@@ -37,7 +37,7 @@ pub fn page(regression: &Regression, study: &CampaignStudy, gallery: &Gallery) -
         "interactions": figure("interactions"),
         "cube": figure("cube"),
         "residuals": figure("residuals"),
-        "notes": analysis.notes,
+        "notes": analysis.notes.join(" "),
     })
 }
 
@@ -61,6 +61,9 @@ fn row(c: &Coefficient) -> Value {
     ])
 }
 
+/// More sentences than these nobody reads, and the page would not hold the figures.
+const MOST_SENTENCES: usize = 4;
+
 /// What each significant term does, strongest first, in natural units.
 fn influences(analysis: &Analysis, factors: &[Factor], said: &Response) -> Vec<String> {
     let mut found: Vec<&Coefficient> = analysis.coefficients.iter().filter(|c| c.significant && c.term != "1").collect();
@@ -68,7 +71,14 @@ fn influences(analysis: &Analysis, factors: &[Factor], said: &Response) -> Vec<S
     if found.is_empty() {
         return vec!["No factor changes this response beyond the scatter of the replicates.".into()];
     }
-    found.into_iter().map(|c| influence(c, factors, said)).collect()
+    let more = found.len().saturating_sub(MOST_SENTENCES);
+    let mut sentences: Vec<String> = found.into_iter().take(MOST_SENTENCES).map(|c| influence(c, factors, said)).collect();
+    match more {
+        0 => (),
+        1 => sentences.push("One more term is significant; the table has it.".into()),
+        many => sentences.push(format!("{many} more terms are significant; the table has them.")),
+    }
+    sentences
 }
 
 fn influence(c: &Coefficient, factors: &[Factor], said: &Response) -> String {
@@ -80,7 +90,7 @@ fn influence(c: &Coefficient, factors: &[Factor], said: &Response) -> String {
         if unit.is_empty() || !text.contains('±') || text.starts_with('(') { format!("{text}{unit}") } else { format!("({text}){unit}") }
     };
     let unsure = c.p_holm.is_some_and(|p| 0.05 < p);
-    let doubt = if unsure { " This does not survive the correction for many tests." } else { "" };
+    let doubt = if unsure { " (Not after Holm’s correction.)" } else { "" };
     let sentence = match names.as_slice() {
         [one] => {
             let Some(factor) = factors.iter().find(|f| f.name == *one) else { return format!("{}: {}.", c.term, with_unit(2.0)) };
@@ -157,11 +167,11 @@ fn verdicts(analysis: &Analysis, alpha: f64) -> Vec<Value> {
     let mut rows = vec![];
     if let Some(v) = &analysis.equal_variances {
         let words = if v.holds {
-            "Holds: replicates scatter alike in all cells, so one error serves all tests."
+            "Holds: replicates scatter alike in all cells."
         } else {
-            "Rejected: some cells scatter more than others; the t tests below this line are approximate."
+            "Rejected: some cells scatter more than others; t tests are approximate."
         };
-        rows.push(verdict(v, words.replace(" below this line", "")));
+        rows.push(verdict(v, words.into()));
     }
     if let Some(critical) = analysis.t_critical {
         let tested = analysis.coefficients.iter().filter(|c| c.term != "1").count();
@@ -171,9 +181,9 @@ fn verdicts(analysis: &Analysis, alpha: f64) -> Vec<Value> {
     }
     if let Some(v) = &analysis.adequacy {
         let words = if v.holds {
-            "Holds: the significant terms alone meet the cell means within the replicates’ scatter."
+            "Holds: the significant terms alone meet the cell means."
         } else {
-            "Rejected: the significant terms alone leave more than the replicates’ scatter unexplained."
+            "Rejected: the significant terms alone miss the cell means by more than the scatter."
         };
         rows.push(verdict(v, words.into()));
     }

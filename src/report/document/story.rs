@@ -120,10 +120,11 @@ fn cautions(study: &CampaignStudy, provenance: &Provenance, seen: &Overview) -> 
         said.push(format!("Without a fit: {}.", named(&aside)));
     }
     if !provenance.quarantine.is_empty() {
-        said.push(format!(
-            "{} things in the input were set aside; the last chapter before the appendix lists them.",
-            provenance.quarantine.len()
-        ));
+        let (n, verb) = match provenance.quarantine.len() {
+            1 => ("One thing".to_string(), "was"),
+            many => (format!("{many} things"), "were"),
+        };
+        said.push(format!("{n} in the input {verb} set aside; the chapter before the appendix says what and why."));
     }
     let irregular = list(&|r| r.fit.as_ref().is_ok_and(|f| f.folds.is_some() && f.explained < SMALL_SHARE));
     if !irregular.is_empty() {

@@ -18,7 +18,7 @@ pub fn chapter(study: &CampaignStudy) -> Value {
 /// What the comparison says, in sentences.
 pub fn words(theory: &TheoryOverview) -> Vec<String> {
     let mut words = vec![format!(
-        "Theory ({}) knows only cloth and cut; nothing in it was fitted. It predicts the fitted fold count in {} of {} runs and is within one in {}.",
+        "Theory, {}, knows only cloth and cut; nothing in it was fitted. It predicts the fitted fold count in {} of {} runs and is within one in {}.",
         theory.fidelity, theory.folds_right, theory.runs, theory.folds_within_one
     )];
     if let Some(rms) = theory.rms {

@@ -52,7 +52,7 @@ fn lengths(area: &sheet::Area<'_>, column: usize, name: &str, unit: &str, pairs:
     // The run that the theory misses by most is named.
     let worst = pairs.iter().max_by(|a, b| (a.predicted - a.fitted).abs().total_cmp(&(b.predicted - b.fitted).abs()));
     if let Some(pair) = worst {
-        sheet::name_run(&mut axes, &pair.run, (pair.fitted, pair.predicted), range)?;
+        sheet::name_run(&mut axes, &pair.run, (pair.fitted, pair.predicted), range, pair.fitted < pair.predicted)?;
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use crate::statistics::box_wilson::Coefficient;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 60.0;
-pub const HEIGHT: f64 = 54.0;
+pub const HEIGHT: f64 = 44.0;
 
 /// Corner values of the full model; in a full factorial these are the cell means. `None` unless there are two or three factors.
 ///
@@ -31,8 +31,8 @@ pub fn draw(response: &str, unit: &str, n: usize, factors: &[Factor], coefficien
 fn paint(area: &sheet::Area<'_>, factors: &[Factor], coefficients: &[Coefficient]) -> Drawn {
     let three = factors.len() == 3;
     let place = |x: f64, y: f64, z: f64| {
-        let (dx, dy) = if three { (9.5 * z, -7.0 * z) } else { (0.0, 0.0) };
-        (28.0 + 13.5 * x + 0.5 * dx, 25.0 - 11.5 * y + 0.5 * dy)
+        let (dx, dy) = if three { (9.5 * z, -6.0 * z) } else { (0.0, 0.0) };
+        (28.0 + 13.5 * x + 0.5 * dx, 21.5 - 8.6 * y + 0.5 * dy)
     };
     let mut corners = vec![];
     for i in 0..1 << factors.len() {
@@ -73,7 +73,7 @@ fn axis_names(area: &sheet::Area<'_>, factors: &[Factor]) -> Drawn {
     };
     let directions = ["to the right", "upwards", "to the back"];
     for (i, (factor, direction)) in factors.iter().zip(directions).enumerate() {
-        let y = HEIGHT - 8.2 + 3.1 * i as f64;
+        let y = HEIGHT - 7.8 + 3.0 * i as f64;
         sheet::text_left(area, &format!("{}, {direction}", between(factor)), 1.0, y, 5.8, INK)?;
     }
     Ok(())

@@ -10,7 +10,7 @@ use crate::statistics::box_wilson::Coefficient;
 
 /// Size on paper, mm; the width is shared by three panels.
 pub const WIDTH: f64 = 108.0;
-pub const HEIGHT: f64 = 52.0;
+pub const HEIGHT: f64 = 44.0;
 const ACROSS: usize = 3;
 
 /// One panel for each pair of factors. Parallel lines: no interaction. Where the interaction is significant the panel says so.
@@ -58,15 +58,14 @@ fn panel(
     let frame = sheet::Frame {
         x: (-1.5, 1.5),
         y,
-        x_label: &factor_name(first),
         y_label: if column == 0 { label } else { "" },
         x_ticks: 3,
         left: margin,
-        below: 10.0,
+        below: 6.0,
         x_names: Some(&names),
         ..sheet::Frame::default()
     };
-    let plot = sheet::part(area, from, top + 14.0, width + margin - 1.5, HEIGHT - 14.0);
+    let plot = sheet::part(area, from, top + 13.0, width + margin - 1.5, HEIGHT - 17.5);
     let mut axes = chart(&plot, &frame)?;
     let [mm, pm, mp, pp] = corner_values(factors, coefficients, i, j);
     dashed(&mut axes, &[(-1.0, mm), (1.0, pm)], line(VERMILLION, 0.45), 1.4, 0.9)?;
@@ -75,11 +74,15 @@ fn panel(
     dots(&mut axes, &[(-1.0, mp), (1.0, pp)], 0.7, BLUE)?;
     let significant = coefficients.iter().any(|c| c.significant && c.term == format!("{}:{}", first.name, second.name));
     let x = left + width * column as f64;
-    let mark = if significant { " (significant)" } else { "" };
-    sheet::text_left(area, &format!("{}{mark}", factor_name(second)), x, top + 7.0, SMALL, INK)?;
+    let name = factor_name(first);
+    let size = sheet::fitted(&name, width - 2.0, sheet::LABEL);
+    sheet::text_centre(area, &name, from + margin + 0.5 * width - 0.75, top + HEIGHT - 2.6, size, INK)?;
+    let mark = if significant { ": significant" } else { "" };
+    let head = format!("{}{mark}", factor_name(second));
+    sheet::text_left(area, &head, x, top + 6.6, sheet::fitted(&head, width - 2.5, SMALL), INK)?;
     for (k, coded) in [-1.0, 1.0].into_iter().enumerate() {
         let at = x + 15.0 * k as f64;
-        let y = top + 11.0;
+        let y = top + 10.2;
         if k == 0 {
             area.draw(&PathElement::new(vec![(steps(at), steps(y)), (steps(at + 1.2), steps(y))], line(VERMILLION, 0.45)))?;
             area.draw(&PathElement::new(vec![(steps(at + 1.9), steps(y)), (steps(at + 3.1), steps(y))], line(VERMILLION, 0.45)))?;

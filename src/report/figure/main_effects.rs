@@ -8,7 +8,7 @@ use crate::statistics::box_wilson::Coefficient;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 82.0;
-pub const HEIGHT: f64 = 52.0;
+pub const HEIGHT: f64 = 44.0;
 
 /// One panel a factor: `b0 ± b_i` with the 95 % interval of the effect as a whisker; dashed where the coefficient is not significant.
 ///
@@ -36,20 +36,22 @@ fn paint(area: &sheet::Area<'_>, label: &str, factors: &[Factor], coefficients: 
         let first = i == 0;
         let margin = if first { left } else { 0.0 };
         let from = left - margin + width * i as f64;
-        let panel = sheet::part(area, from, 6.0, width + margin - 1.5, HEIGHT - 6.0);
+        let panel = sheet::part(area, from, 6.0, width + margin - 1.5, HEIGHT - 10.5);
         let names = |v: f64| level_name(factor, v);
         let frame = sheet::Frame {
             x: (-1.6, 1.6),
             y,
-            x_label: &factor_name(factor),
             y_label: if first { label } else { "" },
             x_ticks: 3,
             left: margin,
-            below: 10.0,
+            below: 6.0,
             x_names: Some(&names),
             ..sheet::Frame::default()
         };
         let mut axes = chart(&panel, &frame)?;
+        let name = factor_name(factor);
+        let size = sheet::fitted(&name, width - 2.0, sheet::LABEL);
+        sheet::text_centre(area, &name, from + margin + 0.5 * width - 0.75, HEIGHT - 2.6, size, INK)?;
         dashed(&mut axes, &[(-1.6, mean), (1.6, mean)], line(GREY, 0.15), 1.0, 0.8)?;
         let Some(c) = coefficient else { continue };
         let ends = [(-1.0, mean - c.estimate), (1.0, mean + c.estimate)];
@@ -75,9 +77,9 @@ pub fn level_name(factor: &Factor, coded: f64) -> String {
     number::plain(factor.natural(coded))
 }
 
-/// A factor's label with its unit.
+/// A factor's name, as the coefficients have it, with its unit.
 pub fn factor_name(factor: &Factor) -> String {
-    with_unit(&factor.label, factor.unit.as_deref().unwrap_or_default())
+    with_unit(&factor.name, factor.unit.as_deref().unwrap_or_default())
 }
 
 /// “fold depth, mm”.

@@ -69,7 +69,7 @@ fn paint(area: &Area<'_>, rows: &[Row], width: f64, height: f64, reach: f64) -> 
             // A thumb's width resolves no more than about 130 points of a curve.
             curves(&mut chart, view, 0.4, 3)?;
             sheet::solid(&mut chart, &closed(&view.measured, 1), line(INK, 0.18))?;
-            sheet::text_centre(area, caption, left + 0.5 * width, top + height - 1.9, 5.8, INK)?;
+            sheet::text_centre(area, caption, left + 0.5 * width, top + height - 1.9, 5.4, INK)?;
         }
     }
     Ok(())

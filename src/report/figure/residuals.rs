@@ -6,7 +6,7 @@ use crate::error::Error;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 170.0;
-pub const HEIGHT: f64 = 48.0;
+pub const HEIGHT: f64 = 36.0;
 
 /// One observation of a response, in run order.
 #[derive(Debug, Clone)]
@@ -42,7 +42,7 @@ fn panel(area: &sheet::Area<'_>, column: usize, x_label: &str, y_label: &str, po
     let plot = sheet::part(area, left - margin + width * column as f64, 6.0, width + margin - 2.5, HEIGHT - 6.0);
     let frame = sheet::Frame {
         x: padded(points.iter().map(|p| p.0), 0.08),
-        y: padded(points.iter().map(|p| p.1.residual).chain([0.0]), 0.12),
+        y: padded(points.iter().map(|p| p.1.residual).chain([0.0]), 0.24),
         x_label,
         y_label,
         left: margin,
@@ -61,9 +61,11 @@ fn panel(area: &sheet::Area<'_>, column: usize, x_label: &str, y_label: &str, po
 /// The largest residual either way is named by its run.
 fn name_extremes(axes: &mut sheet::Chart<'_, '_>, points: &[(f64, &Residual)], frame: &sheet::Frame<'_>) -> Drawn {
     let by_residual = |a: &&(f64, &Residual), b: &&(f64, &Residual)| a.1.residual.total_cmp(&b.1.residual);
-    let extremes = [points.iter().min_by(by_residual), points.iter().max_by(by_residual)];
-    for (x, residual) in extremes.into_iter().flatten() {
-        sheet::name_run(axes, &residual.run, (*x, residual.residual), frame.x)?;
+    let extremes = [(points.iter().min_by(by_residual), false), (points.iter().max_by(by_residual), true)];
+    for (point, above) in extremes {
+        if let Some((x, residual)) = point {
+            sheet::name_run(axes, &residual.run, (*x, residual.residual), frame.x, above)?;
+        }
     }
     Ok(())
 }

@@ -94,6 +94,13 @@ fn anchored(size: f64, color: RGBColor, bold: bool, horizontal: HPos, vertical: 
     TextStyle { font: font(size).style(style), color: color.to_backend_color(), pos: Pos::new(horizontal, vertical) }
 }
 
+/// The size, points, at which `text` is at most `width` mm wide: `size`, or smaller.
+pub fn fitted(text: &str, width: f64, size: f64) -> f64 {
+    // DejaVu Sans sets mixed text 0.58 em wide a letter.
+    let natural = 0.58 * POINT * size * text.chars().count() as f64;
+    if natural <= width { size } else { size * width / natural }
+}
+
 /// Text whose left edge is at `x`, its middle line at `y` (mm on the area).
 pub fn text_left(area: &Area<'_>, text: &str, x: f64, y: f64, size: f64, color: RGBColor) -> Drawn {
     put(area, text, x, y, &anchored(size, color, false, HPos::Left, VPos::Center))
@@ -240,9 +247,12 @@ pub fn note(chart: &mut Chart<'_, '_>, text: &str, at: (f64, f64), aside: f64, s
     Ok(())
 }
 
-/// A run's name beside its mark, on the side where there is more room.
-pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64)) -> Drawn {
+/// A run's name above or below its mark, towards the middle of the x range.
+pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64), above: bool) -> Drawn {
     let right_half = 0.5 * (range.0 + range.1) < at.0;
-    let (aside, anchor) = if right_half { (-1.3, HPos::Right) } else { (1.3, HPos::Left) };
-    note(chart, &format!("run {run}"), at, aside, mark(SMALL, INK, anchor))
+    let (aside, anchor) = if right_half { (1.0, HPos::Right) } else { (-1.0, HPos::Left) };
+    let up = if above { -2.4 } else { 2.4 };
+    let name = Text::new(format!("run {run}"), (steps(aside), steps(up)), mark(SMALL, INK, anchor));
+    chart.draw_series(std::iter::once(EmptyElement::at(at) + name))?;
+    Ok(())
 }

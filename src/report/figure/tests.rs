@@ -121,3 +121,51 @@ fn equal_lengths_look_equal_both_ways_in_the_hem_figure() {
     // Four roundings to whole grid steps.
     assert!((extent(|p| p.0) - extent(|p| p.1)).abs() <= 4.0);
 }
+
+/// A full model in `k` factors without standard errors.
+fn bare(k: usize) -> (Vec<crate::experiment::Factor>, Vec<crate::statistics::box_wilson::Coefficient>) {
+    let names = ["rigidity", "density", "conicity", "humidity", "temperature"];
+    let factor =
+        |name: &&str| crate::experiment::Factor { name: name.to_string(), label: name.to_string(), unit: None, low: 1.0, high: 2.0 };
+    let coefficient = |subset: usize| crate::statistics::box_wilson::Coefficient {
+        term: match subset {
+            0 => "1".into(),
+            _ => (0..k).filter(|i| subset >> i & 1 == 1).map(|i| names[i]).collect::<Vec<_>>().join(":"),
+        },
+        estimate: 10.0 / (1.0 + subset as f64),
+        se: None,
+        t: None,
+        p: None,
+        ci_low: None,
+        ci_high: None,
+        p_holm: None,
+        p_benjamini_hochberg: None,
+        significant: false,
+    };
+    (names[..k].iter().map(factor).collect(), (0..1 << k).map(coefficient).collect())
+}
+
+#[test]
+fn designs_of_one_to_five_factors_without_replicates_are_drawn() {
+    for k in 1..=5 {
+        let (factors, coefficients) = bare(k);
+        let main = main_effects::draw("Fold depth", "mm", 8, &factors, &coefficients).unwrap();
+        sample::look(&format!("figures/bare_main_{k}.png"), &raster::png("main", &main).unwrap());
+        let interactions = interactions::draw("Fold depth", "mm", 8, &factors, &coefficients).unwrap();
+        sample::look(&format!("figures/bare_interactions_{k}.png"), &raster::png("interactions", &interactions).unwrap());
+        assert!(!main.contains("NaN") && !interactions.contains("NaN"));
+        assert_eq!(cube::draw("Fold depth", "mm", 8, &factors, &coefficients).unwrap().is_some(), (2..=3).contains(&k));
+        // Nothing has a t: the chart is empty, not broken.
+        assert!(!pareto::draw("Fold depth", 8, &coefficients, 2.0, 0.05).unwrap().contains("NaN"));
+    }
+}
+
+#[test]
+fn constant_and_empty_data_are_drawn() {
+    let same = |run: &str| residuals::Residual { run: run.into(), fitted: 3.0, residual: 0.0, normal_quantile: None };
+    assert!(!residuals::draw("Fold count m", "", &[same("1"), same("2")]).unwrap().contains("NaN"));
+    assert!(!residuals::draw("Fold count m", "", &[]).unwrap().contains("NaN"));
+    assert!(!agreement::draw(&[], &[], &[]).unwrap().contains("NaN"));
+    assert!(multiples::draw(&[]).unwrap().is_empty());
+    assert!(!half_normal::draw("s", "mm", 8, &[], None).unwrap().contains("NaN"));
+}
