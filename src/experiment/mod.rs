@@ -2,8 +2,11 @@
 
 pub mod campaign;
 pub mod design;
+mod neighbours;
+mod ordering;
 pub mod profile;
 pub mod specimen;
+mod tour;
 
 pub use campaign::Campaign;
 pub use design::{Design, Factor, Run};

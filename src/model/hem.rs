@@ -272,7 +272,12 @@ mod tests {
     #[test]
     fn canonical_form_is_the_same_curve() {
         let placement = Placement { x0: 0.01, y0: -0.02, phase: -0.4 };
-        for hem in [Hem { q: -0.05, ..EXAMPLE }, EXAMPLE, Hem { p: -0.13, q: 0.05, s: 0.01, folds: 6 }, Hem { p: -0.13, q: 0.05, s: 0.01, folds: 7 }] {
+        for hem in [
+            Hem { q: -0.05, ..EXAMPLE },
+            EXAMPLE,
+            Hem { p: -0.13, q: 0.05, s: 0.01, folds: 6 },
+            Hem { p: -0.13, q: 0.05, s: 0.01, folds: 7 },
+        ] {
             let (canonical, at) = hem.canonical(placement);
             assert!(0.0 < canonical.p && 0.0 <= canonical.q && (0.0..TAU / f64::from(hem.folds)).contains(&at.phase));
             let target = canonical.outline(&at, 4000);
