@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::design::Design;
 use super::specimen::Apparatus;
+use crate::units::Metre;
 
 /// How many folds a fit may choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -34,6 +35,49 @@ pub enum HemLength {
     Held(f64),
 }
 
+/// Which grey of a picture is the cloth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shade {
+    Dark,
+    Light,
+    /// Whatever the margin of the picture is not.
+    #[default]
+    Auto,
+}
+
+/// How pictures of drapes are read.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Pictures {
+    /// Side of a pixel on the cloth, m.
+    pub pixel: Metre,
+    pub object: Shade,
+}
+
+/// One response that can be regressed on the factors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Response {
+    /// As campaign files and result tables name it.
+    pub name: &'static str,
+    /// What it is, in words.
+    pub label: &'static str,
+    /// Unit in which tables show it.
+    pub unit: &'static str,
+}
+
+/// Every response that a campaign may ask for, in the order of the tables.
+pub const RESPONSES: [Response; 9] = [
+    Response { name: "p", label: "mean radius p", unit: "mm" },
+    Response { name: "q", label: "fold amplitude q", unit: "mm" },
+    Response { name: "s", label: "sideways lean s", unit: "mm" },
+    Response { name: "m", label: "fold count m", unit: "1" },
+    Response { name: "lambda_first_integral", label: "λ by the first integral", unit: "N/m²" },
+    Response { name: "lambda_ritz", label: "λ by the Ritz condition", unit: "N/m²" },
+    Response { name: "lambda_ruled", label: "λ of the ruled shell", unit: "N" },
+    Response { name: "rms", label: "rms distance", unit: "mm" },
+    Response { name: "fold_depth", label: "fold depth", unit: "mm" },
+];
+
 /// Everything about a campaign but its measured outlines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Campaign {
@@ -54,4 +98,6 @@ pub struct Campaign {
     pub gravity: f64,
     /// Foundation modulus E of the paper's functional, N/m³; 0 unless told.
     pub foundation_modulus: f64,
+    /// How pictures among the profile files are read; `None` where the campaign has no scale for them.
+    pub pictures: Option<Pictures>,
 }
