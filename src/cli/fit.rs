@@ -6,13 +6,13 @@ use std::process::ExitCode;
 use clap::Args;
 use rayon::prelude::*;
 
-use super::{folds, hem_length};
+use super::{folds, hem_length, shade};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
-use crate::experiment::campaign::{Folds, HemLength};
+use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
 use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
-use crate::import::image::{self, Shade};
+use crate::import::image;
 use crate::import::table;
 use crate::report::table::{FitRow, fits};
 use crate::units::{MILLIMETRE, Metre};
@@ -22,11 +22,13 @@ use crate::units::{MILLIMETRE, Metre};
 /// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile`. A picture is a silhouette, dark on
 /// light or light on dark, and needs --scale-mm-per-px.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
+#[command(
+    after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
 hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n\n\
 Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
 (compare rms_mm and explained_share) they are too small.\n\n\
-Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read.")]
+Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
+)]
 pub struct Fit {
     /// Tables (.csv, .tsv, .txt) or silhouettes (.png, .jpg).
     #[arg(required = true, value_name = "FILE")]
@@ -41,7 +43,7 @@ pub struct Fit {
     #[arg(long, value_name = "MM")]
     pub scale_mm_per_px: Option<f64>,
     /// What is the cloth in a silhouette.
-    #[arg(long, default_value = "auto")]
+    #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
     pub object: Shade,
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
@@ -76,10 +78,13 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         profiles.par_iter().map(|(_, profile)| fit::fit(profile, &options).map_err(|e| e.to_string())).collect();
     // Without cloth and cut there is no λ; the table says so in its own column.
     let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
-    let rows = profiles
-        .iter()
-        .zip(&results)
-        .map(|((name, profile), fit)| FitRow { run: name, profile: Some(profile), fit, lambda: &lambda, study: None });
+    let rows = profiles.iter().zip(&results).map(|((name, profile), fit)| FitRow {
+        run: name,
+        profile: Some(profile),
+        fit,
+        lambda: &lambda,
+        study: None,
+    });
     let table = fits(rows);
     let stdout = &mut std::io::stdout().lock();
     let written = if args.json { table.write_json(stdout) } else { table.write(stdout) };
@@ -108,7 +113,7 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         let Some(scale) = args.scale_mm_per_px else {
             return Err(Error::Unanswerable(format!("{}: a silhouette needs its scale; add --scale-mm-per-px", file.display())));
         };
-        let silhouette = image::outline(file, &image::Options { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
+        let silhouette = image::outline(file, &Pictures { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
         let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
         return Ok((vec![(name, silhouette.profile)], vec![]));
     }

@@ -43,6 +43,7 @@ pub fn study() -> CampaignStudy {
         hem_length: HemLength::Auto,
         gravity: 9.81,
         foundation_modulus: 0.0,
+        pictures: None,
     };
     let profiles = runs.iter().map(profile).collect();
     let notes = vec!["Sample of the tests.".into()];
