@@ -131,6 +131,10 @@ fn anova_digits(name: &str) -> f64 {
         digits(found.f.unwrap(), number(&set["f"])),
         digits(found.r_squared.unwrap(), number(&set["r_squared"])),
     ];
+    // The doubles nearest to the decimals hold these sums exactly (rational arithmetic): what is missing to the certified digits is lost in
+    // reading, none of it in computing.
+    let rounded = floats(&set["rounded"]);
+    assert!(digits(found.between_sum_of_squares, rounded[0]) >= 14.5 && digits(found.within_sum_of_squares, rounded[1]) >= 14.5, "{name}");
     println!("{name:8} between {:5.1}  within {:5.1}  F {:5.1}  R² {:5.1}", all[0], all[1], all[2], all[3]);
     all.into_iter().fold(15.0, f64::min)
 }

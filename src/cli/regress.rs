@@ -3,14 +3,23 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use crate::error::Error;
 use crate::import::numbers::{Line, NumberTable, Value};
-use crate::statistics::box_wilson::{Analysis, Coefficient, Options, Verdict, analyse};
+use crate::statistics::box_cox::{BoxCox, box_cox};
+use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Options, Verdict, analyse};
 use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::family;
+use crate::statistics::next_runs::{Suggestion, next_runs};
+use crate::statistics::permutation::{self, PermutationTest, permutation_tests};
+use crate::statistics::power::smallest_coefficient;
+use crate::statistics::residuals::{Diagnostics, diagnose};
+use crate::statistics::steepest_ascent::{self, Goal, Path, steepest_ascent};
+
+/// The chance that names an effect as one the design can find; 90 % is the custom of sample-size planning.
+pub(super) const WANTED_POWER: f64 = 0.9;
 
 /// Regress a response on two-level factors with all their interactions.
 ///
@@ -34,9 +43,22 @@ pub struct Regress {
     /// Significance level of every test; intervals cover 1 - alpha.
     #[arg(long, default_value_t = 0.05)]
     pub alpha: f64,
+    /// Add permutation p-values, for responses that are not normal (a fold count, say).
+    #[arg(long)]
+    pub permutation: bool,
+    /// Add the path of steepest ascent or descent, and which runs to do next.
+    #[arg(long, value_name = "WISH")]
+    pub next: Option<Wish>,
     /// Write JSON instead of a table; null where a quantity does not exist, and the reason in `notes`.
     #[arg(long)]
     pub json: bool,
+}
+
+/// What is wanted of the response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Wish {
+    Larger,
+    Smaller,
 }
 
 /// Reads the table, analyses the response, prints the result on stdout; lines set aside go to stderr, one sentence each.
@@ -53,7 +75,7 @@ pub fn run(args: &Regress) -> Result<ExitCode, Error> {
             .map_err(|why| Error::Output { what: "the JSON result".into(), why: why.to_string() })?;
         println!("{text}");
     } else {
-        print!("{}", table_of(&document));
+        print!("{}", super::regress_text::text_of(&document));
     }
     Ok(if document.set_aside.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -80,7 +102,10 @@ fn regress(args: &Regress) -> Result<Document, Error> {
     family::adjust(std::slice::from_mut(&mut analysis));
     notes.append(&mut analysis.notes);
     analysis.notes = notes;
-    Ok(Document::new(args, &design, &analysis, observed.set_aside))
+    let mut document = Document::new(args, &design, &analysis, observed.set_aside);
+    document.rows = observed.rows;
+    document.look_further(args, &design, &observed.response, &analysis)?;
+    Ok(document)
 }
 
 /// The usable lines.
@@ -88,6 +113,8 @@ struct Observed {
     /// `natural[run][factor]`, as in the table.
     natural: Vec<Vec<f64>>,
     response: Vec<Option<f64>>,
+    /// Line of the file of each run.
+    rows: Vec<usize>,
     blocks: Vec<String>,
     set_aside: Vec<String>,
 }
@@ -102,12 +129,13 @@ fn observe(table: &NumberTable, args: &Regress) -> Result<Observed, Error> {
     let factors = args.factors.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let response = table.column(&args.response)?;
     let block = args.block.as_ref().map(|name| table.column(name)).transpose()?;
-    let mut observed = Observed { natural: Vec::new(), response: Vec::new(), blocks: Vec::new(), set_aside: Vec::new() };
+    let mut observed = Observed { natural: Vec::new(), response: Vec::new(), rows: Vec::new(), blocks: Vec::new(), set_aside: Vec::new() };
     for line in &table.lines {
         match usable(table, line, &factors, response) {
             Ok((row, y)) => {
                 observed.natural.push(row);
                 observed.response.push(y);
+                observed.rows.push(line.row);
                 if let Some(block) = block {
                     observed.blocks.push(table.text(line, block).unwrap_or_default().to_string());
                 }
@@ -150,17 +178,17 @@ fn axis(name: &str, levels: Vec<f64>, notes: &mut Vec<String>) -> Axis {
 }
 
 #[derive(Serialize)]
-struct Term {
-    term: String,
-    estimate: Option<f64>,
-    se: Option<f64>,
-    t: Option<f64>,
-    p: Option<f64>,
-    ci_low: Option<f64>,
-    ci_high: Option<f64>,
-    p_holm: Option<f64>,
-    p_benjamini_hochberg: Option<f64>,
-    significant: bool,
+pub(super) struct Term {
+    pub(super) term: String,
+    pub(super) estimate: Option<f64>,
+    pub(super) se: Option<f64>,
+    pub(super) t: Option<f64>,
+    pub(super) p: Option<f64>,
+    pub(super) ci_low: Option<f64>,
+    pub(super) ci_high: Option<f64>,
+    pub(super) p_holm: Option<f64>,
+    pub(super) p_benjamini_hochberg: Option<f64>,
+    pub(super) significant: bool,
 }
 
 impl From<&Coefficient> for Term {
@@ -181,50 +209,62 @@ impl From<&Coefficient> for Term {
 }
 
 #[derive(Serialize)]
-struct Cochran {
-    g: Option<f64>,
-    critical: Option<f64>,
+pub(super) struct Cochran {
+    pub(super) g: Option<f64>,
+    pub(super) critical: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct Adequacy {
-    f: Option<f64>,
-    critical: Option<f64>,
-    df: Option<(f64, f64)>,
+pub(super) struct Adequacy {
+    pub(super) f: Option<f64>,
+    pub(super) critical: Option<f64>,
+    pub(super) df: Option<(f64, f64)>,
 }
 
 #[derive(Serialize)]
-struct Monomial {
-    term: String,
-    coefficient: f64,
+pub(super) struct Monomial {
+    pub(super) term: String,
+    pub(super) coefficient: f64,
 }
 
 #[derive(Serialize)]
-struct Document {
-    table: String,
-    response: String,
-    factors: Vec<Axis>,
-    alpha: f64,
-    runs: usize,
-    treatments: usize,
-    terms: Vec<Term>,
-    curvature: Option<Term>,
-    blocks: Vec<Term>,
-    error_variance: Option<f64>,
-    residual_df: usize,
-    t_critical: Option<f64>,
-    cochran: Cochran,
-    equal_variances: Option<Verdict>,
-    adequacy: Adequacy,
-    adequate: Option<bool>,
-    reduced_natural: Vec<Monomial>,
-    anova: Vec<crate::statistics::anova::AnovaRow>,
-    r_squared: Option<f64>,
-    adjusted_r_squared: Option<f64>,
-    predicted_r_squared: Option<f64>,
-    press: Option<f64>,
-    notes: Vec<String>,
-    set_aside: Vec<String>,
+pub(super) struct Document {
+    pub(super) table: String,
+    pub(super) response: String,
+    pub(super) factors: Vec<Axis>,
+    pub(super) alpha: f64,
+    pub(super) runs: usize,
+    pub(super) treatments: usize,
+    pub(super) terms: Vec<Term>,
+    pub(super) curvature: Option<Term>,
+    pub(super) blocks: Vec<Term>,
+    pub(super) error_variance: Option<f64>,
+    pub(super) residual_df: usize,
+    pub(super) t_critical: Option<f64>,
+    pub(super) cochran: Cochran,
+    pub(super) equal_variances: Option<Verdict>,
+    pub(super) adequacy: Adequacy,
+    pub(super) adequate: Option<bool>,
+    pub(super) reduced_natural: Vec<Monomial>,
+    pub(super) anova: Vec<crate::statistics::anova::AnovaRow>,
+    pub(super) r_squared: Option<f64>,
+    pub(super) adjusted_r_squared: Option<f64>,
+    pub(super) predicted_r_squared: Option<f64>,
+    pub(super) press: Option<f64>,
+    pub(super) diagnostics: Option<Diagnostics>,
+    /// Line of the file of each run; the run numbers in `diagnostics` count these from 0.
+    pub(super) rows: Vec<usize>,
+    pub(super) box_cox: Option<BoxCox>,
+    /// Found with a chance of 90 %.
+    pub(super) smallest_coefficient: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) permutation: Option<Vec<PermutationTest>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) path: Option<Path>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) next_runs: Option<Vec<Suggestion>>,
+    pub(super) notes: Vec<String>,
+    pub(super) set_aside: Vec<String>,
 }
 
 impl Document {
@@ -275,89 +315,56 @@ impl Document {
             adjusted_r_squared: analysis.full.adjusted_r_squared(),
             predicted_r_squared: analysis.full.predicted_r_squared(),
             press: analysis.full.press(),
+            diagnostics: None,
+            rows: Vec::new(),
+            box_cox: None,
+            smallest_coefficient: None,
+            permutation: None,
+            path: None,
+            next_runs: None,
             notes: analysis.notes.clone(),
             set_aside,
         }
     }
-}
 
-/// The result for a person.
-fn table_of(document: &Document) -> String {
-    let mut lines = vec![
-        format!("{} on {} — {} runs, {} treatments", document.response, names(&document.factors), document.runs, document.treatments),
-        String::new(),
-    ];
-    let width = document.terms.iter().map(|term| term.term.chars().count()).max().unwrap_or(4).max(9);
-    let level = 100.0 * (1.0 - document.alpha);
-    lines.push(format!("{:width$}  {:>13} {:>11} {:>9} {:>9}  {level}% interval", "term", "estimate", "se", "t", "p"));
-    for term in document.terms.iter().chain(&document.curvature).chain(&document.blocks) {
-        let interval = match (term.ci_low, term.ci_high) {
-            (Some(low), Some(high)) => format!("{} … {}", short(Some(low)), short(Some(high))),
-            _ => "–".into(),
-        };
-        let mark = if term.significant { " *" } else { "" };
-        lines.push(format!(
-            "{:width$}  {:>13} {:>11} {:>9} {:>9}  {interval}{mark}",
-            term.term,
-            short(term.estimate),
-            short(term.se),
-            term.t.map_or("–".into(), |t| format!("{t:.2}")),
-            term.p.map_or("–".into(), probability),
-        ));
-    }
-    lines.push(format!("* significant at {}; error on {} degrees of freedom", document.alpha, document.residual_df));
-    lines.push(String::new());
-    let verdict = document.equal_variances.as_ref();
-    lines.push(verdict.map_or("Do all treatments scatter alike? not testable".into(), |v| {
-        let answer = if v.holds { "yes" } else { "no" };
-        format!("Do all treatments scatter alike? {answer}: {} {:.4}, critical {:.4}", v.test, v.statistic, v.critical)
-    }));
-    lines.push(match (&document.adequacy, document.adequate) {
-        (Adequacy { f: Some(f), critical: Some(critical), df: Some(df) }, Some(holds)) => format!(
-            "Are the significant terms enough? {}: Fisher F {f:.4} on ({}, {}), critical {critical:.4}",
-            if holds { "yes" } else { "no" },
-            df.0,
-            df.1
-        ),
-        _ => "Are the significant terms enough? not testable".into(),
-    });
-    if !document.reduced_natural.is_empty() {
-        let parts: Vec<String> = document
-            .reduced_natural
-            .iter()
-            .map(|part| {
-                let number = format!("{:+.6e}", part.coefficient);
-                if part.term == "1" { number } else { format!("{number}·{}", part.term.replace(':', "·")) }
-            })
-            .collect();
-        lines.push(format!("In natural units, significant terms only: {} = {}", document.response, parts.join(" ")));
-    }
-    if !document.notes.is_empty() {
-        lines.push(String::new());
-        lines.extend(document.notes.iter().map(|note| format!("Note: {note}")));
-    }
-    lines.push(String::new());
-    lines.join("\n")
-}
-
-fn names(factors: &[Axis]) -> String {
-    factors.iter().map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(", ")
-}
-
-/// Six significant digits.
-fn short(value: Option<f64>) -> String {
-    match value {
-        None => "–".into(),
-        Some(0.0) => "0".into(),
-        Some(value) => {
-            let decimals = 5 - value.abs().log10().floor() as i32;
-            if (0..=9).contains(&decimals) { format!("{value:.*}", decimals as usize) } else { format!("{value:.5e}") }
+    /// What goes beyond the coefficients: residuals, transformation, power, and what was asked for by flags.
+    fn look_further(
+        &mut self,
+        args: &Regress,
+        design: &FactorialDesign,
+        response: &[Option<f64>],
+        analysis: &Analysis,
+    ) -> Result<(), Error> {
+        self.diagnostics = Some(diagnose(design, analysis, args.alpha)?);
+        if response.iter().flatten().all(|y| *y > 0.0) {
+            self.box_cox = box_cox(design, response, args.alpha)?;
+        } else {
+            self.notes.push("Box–Cox needs positive responses.".into());
         }
+        let replicates = analysis.cells.iter().map(|cell| cell.runs.len()).min().unwrap_or(0);
+        let balanced = analysis.cells.iter().all(|cell| cell.runs.len() == replicates) && analysis.blocks.is_empty();
+        match analysis.error.filter(|error| error.source == ErrorSource::PureError && balanced && analysis.curvature.is_none()) {
+            Some(error) => {
+                self.smallest_coefficient =
+                    smallest_coefficient(error.variance, analysis.cells.len(), replicates, args.alpha, WANTED_POWER).ok()
+            }
+            None => self.notes.push("The smallest effect that would be found is computed for balanced, replicated designs only.".into()),
+        }
+        if args.permutation {
+            self.permutation = Some(permutation_tests(design, response, &permutation::Options::default())?);
+        }
+        if let Some(wish) = args.next {
+            let goal = if wish == Wish::Larger { Goal::Increase } else { Goal::Decrease };
+            let ascent = steepest_ascent::Options { goal, alpha: args.alpha, ..Default::default() };
+            match steepest_ascent(design, response, analysis, &ascent) {
+                Ok(path) => self.path = Some(path),
+                Err(Error::Unanswerable(why)) => self.notes.push(format!("No path: {why}.")),
+                Err(why) => return Err(why),
+            }
+            self.next_runs = Some(next_runs(design, response, analysis, &ascent)?);
+        }
+        Ok(())
     }
-}
-
-fn probability(p: f64) -> String {
-    if p < 1e-4 { format!("{p:.1e}") } else { format!("{p:.4}") }
 }
 
 #[cfg(test)]
@@ -369,7 +376,7 @@ mod tests {
         let table = folder.path().join(name);
         std::fs::write(&table, text).unwrap();
         let factors = factors.split(',').map(String::from).collect();
-        let args = Regress { table, factors, response: "y".into(), block: None, alpha: 0.05, json: true };
+        let args = Regress { table, factors, response: "y".into(), block: None, alpha: 0.05, permutation: false, next: None, json: true };
         serde_json::to_value(regress(&args).unwrap()).unwrap()
     }
 
@@ -402,7 +409,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let table = folder.path().join("t.csv");
         std::fs::write(&table, "a,y\n1,1\n1,2\n").unwrap();
-        let mut args = Regress { table, factors: vec!["a".into()], response: "y".into(), block: None, alpha: 0.05, json: true };
+        let mut args = Regress {
+            table,
+            factors: vec!["a".into()],
+            response: "y".into(),
+            block: None,
+            alpha: 0.05,
+            permutation: false,
+            next: None,
+            json: true,
+        };
         let why = regress(&args).err().unwrap().to_string();
         assert!(why.contains("factor “a” has levels 1 and 1"), "{why}");
         args.response = "z".into();

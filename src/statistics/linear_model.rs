@@ -62,6 +62,13 @@ impl Regressors {
         Ok(Regressors { names, columns, rows })
     }
 
+    /// One more column, behind the others; of the same length and finite.
+    pub(crate) fn with_column(mut self, name: String, column: Vec<f64>) -> Self {
+        self.names.push(name);
+        self.columns.push(column.into_iter().map(DoubleDouble::from).collect());
+        self
+    }
+
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -198,32 +205,48 @@ impl Decomposition {
         self.qr.basis().iter().map(|column| column.iter().map(|entry| entry.to_f64()).collect()).collect()
     }
 
+    /// What each term explains beyond those before it: `(term, sum of squares)`, aliased terms left out.
+    ///
+    /// # Errors
+    /// Those of [`Decomposition::fit`].
+    pub fn sequential_sums_of_squares(&self, response: &[f64]) -> Result<Vec<(String, f64)>, Error> {
+        let response = self.checked(response)?;
+        let projected = self.qr.project(&self.weigh(&response));
+        Ok(self.terms().zip(projected).map(|(term, part)| (term.to_string(), (part * part).to_f64())).collect())
+    }
+
+    fn checked(&self, response: &[f64]) -> Result<Vec<DoubleDouble>, Error> {
+        if response.len() != self.rows() {
+            return Err(Error::Unanswerable(format!("{} responses for {} runs", response.len(), self.rows())));
+        }
+        if let Some(row) = response.iter().position(|value| !value.is_finite()) {
+            return Err(Error::Unanswerable(format!("the response of run {} is not finite", row + 1)));
+        }
+        Ok(response.iter().copied().map(DoubleDouble::from).collect())
+    }
+
+    /// Times the roots of the weights.
+    fn weigh(&self, values: &[DoubleDouble]) -> Vec<DoubleDouble> {
+        match &self.roots {
+            None => values.to_vec(),
+            Some(roots) => values.iter().zip(roots).map(|(&value, &root)| value * root).collect(),
+        }
+    }
+
     /// Least squares of one response.
     ///
     /// # Errors
     /// [`Error::Unanswerable`] if there is not one finite response per run.
     pub fn fit(&self, response: &[f64]) -> Result<LinearModel, Error> {
         let rows = self.rows();
-        if response.len() != rows {
-            return Err(Error::Unanswerable(format!("{} responses for {rows} runs", response.len())));
-        }
-        if let Some(row) = response.iter().position(|value| !value.is_finite()) {
-            return Err(Error::Unanswerable(format!("the response of run {} is not finite", row + 1)));
-        }
-        let weighted = |values: &[DoubleDouble]| -> Vec<DoubleDouble> {
-            match &self.roots {
-                None => values.to_vec(),
-                Some(roots) => values.iter().zip(roots).map(|(&value, &root)| value * root).collect(),
-            }
-        };
-        let exact: Vec<DoubleDouble> = response.iter().copied().map(DoubleDouble::from).collect();
-        let projected = self.qr.project(&weighted(&exact));
+        let exact = self.checked(response)?;
+        let projected = self.qr.project(&self.weigh(&exact));
         let coefficients = self.qr.solve(&projected);
         let fitted: Vec<DoubleDouble> = (0..rows)
             .map(|row| self.qr.independent().iter().zip(&coefficients).map(|(&j, &b)| self.regressors.columns[j][row] * b).sum())
             .collect();
         let residuals: Vec<DoubleDouble> = exact.iter().zip(&fitted).map(|(&y, &fit)| y - fit).collect();
-        let scaled_residuals = weighted(&residuals);
+        let scaled_residuals = self.weigh(&residuals);
         let residual_sum_of_squares = dot(&scaled_residuals, &scaled_residuals).to_f64();
         let total_sum_of_squares = self.total_sum_of_squares(&exact);
 

@@ -184,6 +184,36 @@ pub fn suspects(analysis: &Analysis, alpha: f64) -> Vec<Suspect> {
     found
 }
 
+/// All that the residuals of the full model say, at once.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnostics {
+    /// `None` where there are no residuals to look at.
+    pub normality: Option<ShapiroWilk>,
+    pub durbin_watson: Option<f64>,
+    /// Two-sided; small if neighbours in run order are related.
+    pub durbin_watson_p: Option<f64>,
+    pub suspects: Vec<Suspect>,
+}
+
+/// Normality, independence in run order (the order of the design) and suspects at level `alpha`.
+///
+/// # Errors
+/// None that an analysis of this design would not have had.
+pub fn diagnose(design: &FactorialDesign, analysis: &Analysis, alpha: f64) -> Result<Diagnostics, Error> {
+    if analysis.full.residual_df == 0 || analysis.full.perfect {
+        return Ok(Diagnostics { normality: None, durbin_watson: None, durbin_watson_p: None, suspects: Vec::new() });
+    }
+    let used = design.subset(&analysis.used_runs);
+    let basis = used.regressors_of(&used.term_factors(), used.has_centre())?.decompose().basis();
+    let d = durbin_watson(&analysis.full.residuals);
+    Ok(Diagnostics {
+        normality: shapiro_wilk(&analysis.full.residuals),
+        durbin_watson: d,
+        durbin_watson_p: d.and_then(|d| durbin_watson_p(d, &basis)),
+        suspects: suspects(analysis, alpha),
+    })
+}
+
 /// The analysis without the runs that [`suspects`] finds in the first one, to lay beside it; `None` if there are none.
 ///
 /// # Errors
