@@ -6,12 +6,13 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use crate::error::Error;
+use crate::error::{Error, Place};
 use crate::import::numbers::{Line, NumberTable, Value};
 use crate::statistics::box_cox::{BoxCox, box_cox};
 use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Options, Verdict, analyse};
 use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::family;
+use crate::statistics::known_errors::{self, KnownErrorRegression};
 use crate::statistics::next_runs::{Suggestion, next_runs};
 use crate::statistics::permutation::{self, PermutationTest, permutation_tests};
 use crate::statistics::power::smallest_coefficient;
@@ -40,6 +41,9 @@ pub struct Regress {
     /// Column that names the block (day, operator …) of each run.
     #[arg(long, value_name = "COLUMN")]
     pub block: Option<String>,
+    /// Column of the response's own standard errors: adds the regression weighted by them.
+    #[arg(long, value_name = "COLUMN")]
+    pub se: Option<String>,
     /// Significance level of every test; intervals cover 1 - alpha.
     #[arg(long, default_value_t = 0.05)]
     pub alpha: f64,
@@ -104,6 +108,12 @@ fn regress(args: &Regress) -> Result<Document, Error> {
     analysis.notes = notes;
     let mut document = Document::new(args, &design, &analysis, observed.set_aside);
     document.rows = observed.rows;
+    if args.se.is_some() {
+        let used = design.subset(&analysis.used_runs);
+        let regressors = used.regressors_of(&used.term_factors(), used.has_centre())?;
+        let y: Vec<f64> = observed.response.iter().copied().flatten().collect();
+        document.known_errors = Some(known_errors::regress(&regressors, &y, &observed.standard_errors, args.alpha)?);
+    }
     document.look_further(args, &design, &observed.response, &analysis)?;
     Ok(document)
 }
@@ -116,6 +126,8 @@ struct Observed {
     /// Line of the file of each run.
     rows: Vec<usize>,
     blocks: Vec<String>,
+    /// One per run that has a response, if asked for.
+    standard_errors: Vec<f64>,
     set_aside: Vec<String>,
 }
 
@@ -129,12 +141,21 @@ fn observe(table: &NumberTable, args: &Regress) -> Result<Observed, Error> {
     let factors = args.factors.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let response = table.column(&args.response)?;
     let block = args.block.as_ref().map(|name| table.column(name)).transpose()?;
-    let mut observed = Observed { natural: Vec::new(), response: Vec::new(), rows: Vec::new(), blocks: Vec::new(), set_aside: Vec::new() };
+    let se = args.se.as_ref().map(|name| table.column(name)).transpose()?;
+    let mut observed = Observed {
+        natural: Vec::new(),
+        response: Vec::new(),
+        rows: Vec::new(),
+        blocks: Vec::new(),
+        standard_errors: Vec::new(),
+        set_aside: Vec::new(),
+    };
     for line in &table.lines {
-        match usable(table, line, &factors, response) {
-            Ok((row, y)) => {
+        match usable(table, line, &factors, response, block, se) {
+            Ok((row, y, own)) => {
                 observed.natural.push(row);
                 observed.response.push(y);
+                observed.standard_errors.extend(own);
                 observed.rows.push(line.row);
                 if let Some(block) = block {
                     observed.blocks.push(table.text(line, block).unwrap_or_default().to_string());
@@ -146,24 +167,37 @@ fn observe(table: &NumberTable, args: &Regress) -> Result<Observed, Error> {
     Ok(observed)
 }
 
-fn usable(table: &NumberTable, line: &Line, factors: &[usize], response: usize) -> Result<(Vec<f64>, Option<f64>), Error> {
+/// Factor levels, response and its own standard error of one line.
+type Cells = (Vec<f64>, Option<f64>, Option<f64>);
+
+fn usable(
+    table: &NumberTable,
+    line: &Line,
+    factors: &[usize],
+    response: usize,
+    block: Option<usize>,
+    se: Option<usize>,
+) -> Result<Cells, Error> {
+    let fault = |column: usize, problem: &str, remedy: &str| {
+        Error::input(Place::file(&table.file).row(line.row).column(&table.columns[column]), problem, remedy)
+    };
     let mut row = Vec::with_capacity(factors.len());
     for &column in factors {
         match table.value(line, column)? {
             Value::Number(x) => row.push(x),
-            Value::Empty => {
-                let place = crate::error::Place::file(&table.file).row(line.row).column(&table.columns[column]);
-                return Err(Error::input(place, "the factor has no level", "give its level, coded or natural"));
-            }
+            Value::Empty => return Err(fault(column, "the factor has no level", "give its level, coded or natural")),
         }
     }
-    Ok((
-        row,
-        match table.value(line, response)? {
-            Value::Number(y) => Some(y),
-            Value::Empty => None,
-        },
-    ))
+    if let Some(column) = block.filter(|&column| table.text(line, column).is_none_or(str::is_empty)) {
+        return Err(fault(column, "the run has no block", "name its block"));
+    }
+    let Value::Number(y) = table.value(line, response)? else { return Ok((row, None, None)) };
+    let own = match se.map(|column| Ok::<_, Error>((column, table.value(line, column)?))).transpose()? {
+        None => None,
+        Some((_, Value::Number(own))) if own > 0.0 => Some(own),
+        Some((column, _)) => return Err(fault(column, "the standard error is not positive", "give the standard error of the response")),
+    };
+    Ok((row, Some(y), own))
 }
 
 /// How a column of levels is coded: as it is if it holds −1 and +1 (and 0), otherwise by its lowest and highest value.
@@ -260,6 +294,8 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) permutation: Option<Vec<PermutationTest>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) known_errors: Option<KnownErrorRegression>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) path: Option<Path>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) next_runs: Option<Vec<Suggestion>>,
@@ -320,6 +356,7 @@ impl Document {
             box_cox: None,
             smallest_coefficient: None,
             permutation: None,
+            known_errors: None,
             path: None,
             next_runs: None,
             notes: analysis.notes.clone(),
@@ -371,12 +408,16 @@ impl Document {
 mod tests {
     use super::*;
 
+    fn arguments(table: PathBuf, factors: &[&str]) -> Regress {
+        let factors = factors.iter().map(|name| name.to_string()).collect();
+        Regress { table, factors, response: "y".into(), block: None, se: None, alpha: 0.05, permutation: false, next: None, json: true }
+    }
+
     fn json_of(name: &str, text: &str, factors: &str) -> serde_json::Value {
         let folder = tempfile::tempdir().unwrap();
         let table = folder.path().join(name);
         std::fs::write(&table, text).unwrap();
-        let factors = factors.split(',').map(String::from).collect();
-        let args = Regress { table, factors, response: "y".into(), block: None, alpha: 0.05, permutation: false, next: None, json: true };
+        let args = arguments(table, &factors.split(',').collect::<Vec<_>>());
         serde_json::to_value(regress(&args).unwrap()).unwrap()
     }
 
@@ -405,20 +446,25 @@ mod tests {
     }
 
     #[test]
+    fn own_standard_errors_weigh_the_runs() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = folder.path().join("t.csv");
+        std::fs::write(&table, "a,y,e\n-1,1,0.5\n-1,1.2,0.5\n1,2,0.5\n1,2.4,0.5\n1,9,0\n").unwrap();
+        let args = Regress { se: Some("e".into()), ..arguments(table, &["a"]) };
+        let document = regress(&args).unwrap();
+        assert!(document.set_aside[0].contains("row 6, column “e”: the standard error is not positive"), "{:?}", document.set_aside);
+        let known = document.known_errors.unwrap();
+        // The scatter (variances 0.02 and 0.08) is below the errors' 0.25: none is left between runs, and se = 0.5/√4.
+        assert_eq!(known.between_runs, 0.0);
+        assert!((known.coefficients[1].estimate - 0.55).abs() < 1e-14 && (known.coefficients[1].se - 0.25).abs() < 1e-14);
+    }
+
+    #[test]
     fn a_table_that_cannot_be_regressed_says_which_column_is_wrong() {
         let folder = tempfile::tempdir().unwrap();
         let table = folder.path().join("t.csv");
         std::fs::write(&table, "a,y\n1,1\n1,2\n").unwrap();
-        let mut args = Regress {
-            table,
-            factors: vec!["a".into()],
-            response: "y".into(),
-            block: None,
-            alpha: 0.05,
-            permutation: false,
-            next: None,
-            json: true,
-        };
+        let mut args = arguments(table, &["a"]);
         let why = regress(&args).err().unwrap().to_string();
         assert!(why.contains("factor “a” has levels 1 and 1"), "{why}");
         args.response = "z".into();

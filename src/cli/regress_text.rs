@@ -95,6 +95,15 @@ fn further(document: &Document, lines: &mut Vec<String>) {
         let how = test.p_standard_error.map_or("all arrangements".into(), |se| format!("± {se:.4}, drawn at random"));
         lines.push(format!("Permutation p of {}: {} ({how})", test.term, probability(test.p)));
     }
+    if let Some(known) = &document.known_errors {
+        lines.push(format!("Weighted by the responses' own errors; scatter between runs beyond them: {}", short(Some(known.between_runs))));
+        lines.extend(
+            known
+                .coefficients
+                .iter()
+                .map(|c| format!("  {}  {} ± {}  p {}", c.term, short(Some(c.estimate)), short(Some(c.se)), probability(c.p))),
+        );
+    }
     if let Some(path) = &document.path {
         lines.push(String::new());
         lines.push(format!("Path from the centre, {} steps to the edge of the explored region:", path.leaves_after));

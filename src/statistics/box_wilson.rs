@@ -106,9 +106,9 @@ pub struct Reduced {
     pub coded: Vec<(String, f64)>,
     /// The same polynomial in the natural units of the factors.
     pub natural: Vec<(String, f64)>,
-    /// Fitted value of each used run.
-    pub fitted: Vec<f64>,
-    /// Residual sum of squares and degrees of freedom.
+    /// The fit, in the order of the used runs; `None` if nothing is significant, so that the model is 0.
+    pub model: Option<LinearModel>,
+    /// Residual degrees of freedom and sum of squares.
     pub residual: (usize, f64),
     /// By replicates; `None` if there are none.
     pub lack_of_fit: Option<LackOfFit>,
@@ -448,7 +448,7 @@ fn reduce(
         }
     }
     anova.push(AnovaRow::new("total", total.0, total.1));
-    Ok((Reduced { natural: design.natural_equation(&by_factors), coded, fitted, residual, lack_of_fit }, adequacy, anova))
+    Ok((Reduced { natural: design.natural_equation(&by_factors), coded, model, residual, lack_of_fit }, adequacy, anova))
 }
 
 /// Fisher's F: the distance of the reduced model from the means of the treatments, in units of their own scatter.
