@@ -1,7 +1,6 @@
 //! One file per command: arguments → options → library call → report.
 
 pub mod regress;
-mod regress_text;
 
 use std::process::ExitCode;
 

@@ -100,7 +100,7 @@ pub struct CellSummary {
 }
 
 /// The model of the significant terms alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reduced {
     /// `(term, coefficient)` in coded units, refitted where the design is not orthogonal.
     pub coded: Vec<(String, f64)>,
@@ -115,7 +115,7 @@ pub struct Reduced {
 }
 
 /// Everything about one response.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analysis {
     /// In the order of [`FactorialDesign::term_factors`]; those that the runs cannot tell apart are in [`Analysis::aliases`] instead.
     pub coefficients: Vec<Coefficient>,

@@ -6,6 +6,8 @@
 //! Source of the formulas: Draper & Smith, Applied Regression Analysis (3rd ed., 1998), chapters 1–8; of the influence measures Cook &
 //! Weisberg, Residuals and Influence in Regression (1982).
 
+use serde::Serialize;
+
 use crate::error::Error;
 use crate::numerics::double_double::{DoubleDouble, sum};
 use crate::numerics::pivoted_qr::{PivotedQr, dot};
@@ -118,7 +120,7 @@ impl Regressors {
 }
 
 /// A regressor that the runs at hand cannot tell from others.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alias {
     pub term: String,
     /// The combination it equals: `(other term, factor)`, factors that vanish left out.
@@ -126,7 +128,7 @@ pub struct Alias {
 }
 
 /// One coefficient with its error; the error is `None` where there is nothing to estimate it from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
     pub term: String,
     pub estimate: f64,
@@ -302,7 +304,7 @@ pub fn is_rounding(residual_sum_of_squares: f64, response: &[f64]) -> bool {
 }
 
 /// One response on its regressors.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LinearModel {
     /// In the order of the regressors, those without a coefficient left out.
     pub estimates: Vec<Estimate>,
@@ -320,6 +322,7 @@ pub struct LinearModel {
     pub residuals: Vec<f64>,
     /// Diagonal of the hat matrix, 0…1.
     pub leverage: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     weights: Option<Vec<f64>>,
 }
 

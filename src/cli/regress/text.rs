@@ -1,6 +1,6 @@
 //! The result of `hemline regress` for a person.
 
-use super::regress::{Adequacy, Document, WANTED_POWER};
+use super::document::{Adequacy, Document, WANTED_POWER};
 use crate::statistics::factorial::Axis;
 
 /// Coefficients first, then the answers to the questions in the order of the procedure, notes last.
@@ -94,6 +94,13 @@ fn further(document: &Document, lines: &mut Vec<String>) {
     for test in document.permutation.iter().flatten() {
         let how = test.p_standard_error.map_or("all arrangements".into(), |se| format!("± {se:.4}, drawn at random"));
         lines.push(format!("Permutation p of {}: {} ({how})", test.term, probability(test.p)));
+    }
+    if let Some(rows) = &document.sums_of_squares {
+        lines.push(format!("{:>27}  df  sum of squares            F          p", "source"));
+        lines.extend(rows.iter().map(|row| {
+            let (f, p) = (row.f.map_or("–".into(), |f| format!("{f:.3}")), row.p.map_or("–".into(), probability));
+            format!("{:>27} {:>3} {:>15} {f:>12} {p:>10}", row.source, row.df, short(Some(row.sum_of_squares)))
+        }));
     }
     if let Some(known) = &document.known_errors {
         lines.push(format!("Weighted by the responses' own errors; scatter between runs beyond them: {}", short(Some(known.between_runs))));

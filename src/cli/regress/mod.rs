@@ -3,24 +3,17 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
-use serde::Serialize;
-
 use crate::error::{Error, Place};
 use crate::import::numbers::{Line, NumberTable, Value};
-use crate::statistics::box_cox::{BoxCox, box_cox};
-use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Options, Verdict, analyse};
+use crate::statistics::box_wilson::{Options, analyse};
 use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::family;
-use crate::statistics::known_errors::{self, KnownErrorRegression};
-use crate::statistics::next_runs::{Suggestion, next_runs};
-use crate::statistics::permutation::{self, PermutationTest, permutation_tests};
-use crate::statistics::power::smallest_coefficient;
-use crate::statistics::residuals::{Diagnostics, diagnose};
-use crate::statistics::steepest_ascent::{self, Goal, Path, steepest_ascent};
+use crate::statistics::known_errors;
+use clap::{Args, ValueEnum};
+use document::Document;
 
-/// The chance that names an effect as one the design can find; 90 % is the custom of sample-size planning.
-pub(super) const WANTED_POWER: f64 = 0.9;
+mod document;
+mod text;
 
 /// Regress a response on two-level factors with all their interactions.
 ///
@@ -47,6 +40,9 @@ pub struct Regress {
     /// Significance level of every test; intervals cover 1 - alpha.
     #[arg(long, default_value_t = 0.05)]
     pub alpha: f64,
+    /// Add sums of squares by this adjustment: sequential (type I), hierarchical (II) or partial (III).
+    #[arg(long, value_name = "KIND")]
+    pub sums_of_squares: Option<Kind>,
     /// Add permutation p-values, for responses that are not normal (a fold count, say).
     #[arg(long)]
     pub permutation: bool,
@@ -56,6 +52,17 @@ pub struct Regress {
     /// Write JSON instead of a table; null where a quantity does not exist, and the reason in `notes`.
     #[arg(long)]
     pub json: bool,
+}
+
+/// What the sum of squares of a term is adjusted for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// The terms before it.
+    Sequential,
+    /// The terms that do not contain it.
+    Hierarchical,
+    /// All other terms.
+    Partial,
 }
 
 /// What is wanted of the response.
@@ -79,7 +86,7 @@ pub fn run(args: &Regress) -> Result<ExitCode, Error> {
             .map_err(|why| Error::Output { what: "the JSON result".into(), why: why.to_string() })?;
         println!("{text}");
     } else {
-        print!("{}", super::regress_text::text_of(&document));
+        print!("{}", text::text_of(&document));
     }
     Ok(if document.set_aside.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -106,8 +113,7 @@ fn regress(args: &Regress) -> Result<Document, Error> {
     family::adjust(std::slice::from_mut(&mut analysis));
     notes.append(&mut analysis.notes);
     analysis.notes = notes;
-    let mut document = Document::new(args, &design, &analysis, observed.set_aside);
-    document.rows = observed.rows;
+    let mut document = Document::new(args, &design, &analysis, observed.rows, observed.set_aside);
     if args.se.is_some() {
         let used = design.subset(&analysis.used_runs);
         let regressors = used.regressors_of(&used.term_factors(), used.has_centre())?;
@@ -211,206 +217,24 @@ fn axis(name: &str, levels: Vec<f64>, notes: &mut Vec<String>) -> Axis {
     Axis { name: name.into(), low, high }
 }
 
-#[derive(Serialize)]
-pub(super) struct Term {
-    pub(super) term: String,
-    pub(super) estimate: Option<f64>,
-    pub(super) se: Option<f64>,
-    pub(super) t: Option<f64>,
-    pub(super) p: Option<f64>,
-    pub(super) ci_low: Option<f64>,
-    pub(super) ci_high: Option<f64>,
-    pub(super) p_holm: Option<f64>,
-    pub(super) p_benjamini_hochberg: Option<f64>,
-    pub(super) significant: bool,
-}
-
-impl From<&Coefficient> for Term {
-    fn from(c: &Coefficient) -> Self {
-        Term {
-            term: c.term.clone(),
-            estimate: Some(c.estimate),
-            se: c.se,
-            t: c.t,
-            p: c.p,
-            ci_low: c.ci_low,
-            ci_high: c.ci_high,
-            p_holm: c.p_holm,
-            p_benjamini_hochberg: c.p_benjamini_hochberg,
-            significant: c.significant,
-        }
-    }
-}
-
-#[derive(Serialize)]
-pub(super) struct Cochran {
-    pub(super) g: Option<f64>,
-    pub(super) critical: Option<f64>,
-}
-
-#[derive(Serialize)]
-pub(super) struct Adequacy {
-    pub(super) f: Option<f64>,
-    pub(super) critical: Option<f64>,
-    pub(super) df: Option<(f64, f64)>,
-}
-
-#[derive(Serialize)]
-pub(super) struct Monomial {
-    pub(super) term: String,
-    pub(super) coefficient: f64,
-}
-
-#[derive(Serialize)]
-pub(super) struct Document {
-    pub(super) table: String,
-    pub(super) response: String,
-    pub(super) factors: Vec<Axis>,
-    pub(super) alpha: f64,
-    pub(super) runs: usize,
-    pub(super) treatments: usize,
-    pub(super) terms: Vec<Term>,
-    pub(super) curvature: Option<Term>,
-    pub(super) blocks: Vec<Term>,
-    pub(super) error_variance: Option<f64>,
-    pub(super) residual_df: usize,
-    pub(super) t_critical: Option<f64>,
-    pub(super) cochran: Cochran,
-    pub(super) equal_variances: Option<Verdict>,
-    pub(super) adequacy: Adequacy,
-    pub(super) adequate: Option<bool>,
-    pub(super) reduced_natural: Vec<Monomial>,
-    pub(super) anova: Vec<crate::statistics::anova::AnovaRow>,
-    pub(super) r_squared: Option<f64>,
-    pub(super) adjusted_r_squared: Option<f64>,
-    pub(super) predicted_r_squared: Option<f64>,
-    pub(super) press: Option<f64>,
-    pub(super) diagnostics: Option<Diagnostics>,
-    /// Line of the file of each run; the run numbers in `diagnostics` count these from 0.
-    pub(super) rows: Vec<usize>,
-    pub(super) box_cox: Option<BoxCox>,
-    /// Found with a chance of 90 %.
-    pub(super) smallest_coefficient: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) permutation: Option<Vec<PermutationTest>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) known_errors: Option<KnownErrorRegression>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) path: Option<Path>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) next_runs: Option<Vec<Suggestion>>,
-    pub(super) notes: Vec<String>,
-    pub(super) set_aside: Vec<String>,
-}
-
-impl Document {
-    fn new(args: &Regress, design: &FactorialDesign, analysis: &Analysis, set_aside: Vec<String>) -> Self {
-        // Every term of the model is listed, in its place; one without a coefficient of its own has nulls.
-        let terms = design
-            .term_factors()
-            .iter()
-            .map(|term| design.term_name(term))
-            .map(|name| match analysis.coefficients.iter().find(|c| c.term == name) {
-                Some(coefficient) => coefficient.into(),
-                None => Term {
-                    term: name,
-                    estimate: None,
-                    se: None,
-                    t: None,
-                    p: None,
-                    ci_low: None,
-                    ci_high: None,
-                    p_holm: None,
-                    p_benjamini_hochberg: None,
-                    significant: false,
-                },
-            })
-            .collect();
-        let cochran = analysis.equal_variances.as_ref().filter(|verdict| verdict.test == "Cochran G");
-        let adequacy = analysis.adequacy.as_ref();
-        Document {
-            table: args.table.display().to_string(),
-            response: args.response.clone(),
-            factors: design.factors().to_vec(),
-            alpha: args.alpha,
-            runs: analysis.used_runs.len(),
-            treatments: analysis.cells.len(),
-            terms,
-            curvature: analysis.curvature.as_ref().map(Term::from),
-            blocks: analysis.blocks.iter().map(Term::from).collect(),
-            error_variance: analysis.error.map(|error| error.variance),
-            residual_df: analysis.residual_df,
-            t_critical: analysis.t_critical,
-            cochran: Cochran { g: cochran.map(|v| v.statistic), critical: cochran.map(|v| v.critical) },
-            equal_variances: analysis.equal_variances.clone(),
-            adequacy: Adequacy { f: adequacy.map(|v| v.statistic), critical: adequacy.map(|v| v.critical), df: adequacy.map(|v| v.df) },
-            adequate: adequacy.map(|v| v.holds),
-            reduced_natural: analysis.reduced.natural.iter().map(|(term, b)| Monomial { term: term.clone(), coefficient: *b }).collect(),
-            anova: analysis.anova.clone(),
-            r_squared: analysis.full.r_squared(),
-            adjusted_r_squared: analysis.full.adjusted_r_squared(),
-            predicted_r_squared: analysis.full.predicted_r_squared(),
-            press: analysis.full.press(),
-            diagnostics: None,
-            rows: Vec::new(),
-            box_cox: None,
-            smallest_coefficient: None,
-            permutation: None,
-            known_errors: None,
-            path: None,
-            next_runs: None,
-            notes: analysis.notes.clone(),
-            set_aside,
-        }
-    }
-
-    /// What goes beyond the coefficients: residuals, transformation, power, and what was asked for by flags.
-    fn look_further(
-        &mut self,
-        args: &Regress,
-        design: &FactorialDesign,
-        response: &[Option<f64>],
-        analysis: &Analysis,
-    ) -> Result<(), Error> {
-        self.diagnostics = Some(diagnose(design, analysis, args.alpha)?);
-        if response.iter().flatten().all(|y| *y > 0.0) {
-            self.box_cox = box_cox(design, response, args.alpha)?;
-        } else {
-            self.notes.push("Box–Cox needs positive responses.".into());
-        }
-        let replicates = analysis.cells.iter().map(|cell| cell.runs.len()).min().unwrap_or(0);
-        let balanced = analysis.cells.iter().all(|cell| cell.runs.len() == replicates) && analysis.blocks.is_empty();
-        match analysis.error.filter(|error| error.source == ErrorSource::PureError && balanced && analysis.curvature.is_none()) {
-            Some(error) => {
-                self.smallest_coefficient =
-                    smallest_coefficient(error.variance, analysis.cells.len(), replicates, args.alpha, WANTED_POWER).ok()
-            }
-            None => self.notes.push("The smallest effect that would be found is computed for balanced, replicated designs only.".into()),
-        }
-        if args.permutation {
-            self.permutation = Some(permutation_tests(design, response, &permutation::Options::default())?);
-        }
-        if let Some(wish) = args.next {
-            let goal = if wish == Wish::Larger { Goal::Increase } else { Goal::Decrease };
-            let ascent = steepest_ascent::Options { goal, alpha: args.alpha, ..Default::default() };
-            match steepest_ascent(design, response, analysis, &ascent) {
-                Ok(path) => self.path = Some(path),
-                Err(Error::Unanswerable(why)) => self.notes.push(format!("No path: {why}.")),
-                Err(why) => return Err(why),
-            }
-            self.next_runs = Some(next_runs(design, response, analysis, &ascent)?);
-        }
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn arguments(table: PathBuf, factors: &[&str]) -> Regress {
         let factors = factors.iter().map(|name| name.to_string()).collect();
-        Regress { table, factors, response: "y".into(), block: None, se: None, alpha: 0.05, permutation: false, next: None, json: true }
+        Regress {
+            table,
+            factors,
+            response: "y".into(),
+            block: None,
+            se: None,
+            alpha: 0.05,
+            sums_of_squares: None,
+            permutation: false,
+            next: None,
+            json: true,
+        }
     }
 
     fn json_of(name: &str, text: &str, factors: &str) -> serde_json::Value {
