@@ -99,7 +99,7 @@ pub struct CellSummary {
     pub variance: Option<f64>,
 }
 
-/// The model of the significant terms alone.
+/// The model of the significant terms alone; of all terms where none can be tested.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reduced {
     /// `(term, coefficient)` in coded units, refitted where the design is not orthogonal.
@@ -194,9 +194,13 @@ pub fn analyse(design: &FactorialDesign, response: &[Option<f64>], options: &Opt
     let lenth = if error.is_none() { unreplicated(&mut coefficients, full.residual_df, options.alpha, &mut notes) } else { None };
 
     let equal_variances = equal_variances(&used, &cells, &y, options.alpha, &mut notes)?;
-    let kept: Vec<Vec<usize>> =
-        terms.iter().filter(|term| coefficients.iter().any(|c| c.significant && c.term == used.term_name(term))).cloned().collect();
-    let keep_curvature = curvature.as_ref().is_some_and(|c| c.significant);
+    let untested = error.is_none() && lenth.is_none();
+    if untested {
+        notes.push("No term can be tested, so the reduced model keeps them all.".into());
+    }
+    let keeps = |term: &[usize]| coefficients.iter().any(|c| (c.significant || untested) && c.term == used.term_name(term));
+    let kept: Vec<Vec<usize>> = terms.iter().filter(|term| keeps(term)).cloned().collect();
+    let keep_curvature = curvature.as_ref().is_some_and(|c| c.significant || untested);
     let (reduced, adequacy, anova) = reduce(&used, &kept, keep_curvature, &y, &pure_error, options.alpha, &mut notes)?;
 
     let all: Vec<(Vec<usize>, f64)> = terms

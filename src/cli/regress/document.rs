@@ -6,13 +6,13 @@ use super::{Kind, Regress, Wish};
 use crate::error::Error;
 use crate::statistics::anova::AnovaRow;
 use crate::statistics::box_cox::{BoxCox, box_cox};
-use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Verdict};
+use crate::statistics::box_wilson::{Analysis, Coefficient, ErrorSource, Options, Verdict};
 use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::known_errors::KnownErrorRegression;
 use crate::statistics::next_runs::{Suggestion, next_runs};
 use crate::statistics::permutation::{self, PermutationTest, permutation_tests};
 use crate::statistics::power::smallest_coefficient;
-use crate::statistics::residuals::{Diagnostics, diagnose};
+use crate::statistics::residuals::{Diagnostics, diagnose, without_suspects};
 use crate::statistics::steepest_ascent::{self, Goal, Path, steepest_ascent};
 use crate::statistics::sums_of_squares::{Adjustment, factorial_anova};
 
@@ -126,6 +126,9 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) sums_of_squares: Option<Vec<AnovaRow>>,
     pub(super) runs_used: Vec<RunUsed>,
+    /// The coefficients without the suspects of `diagnostics`, to lay beside `terms`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) without_suspects: Option<Vec<Term>>,
     pub(super) notes: Vec<String>,
     pub(super) set_aside: Vec<String>,
 }
@@ -189,6 +192,7 @@ impl Document {
             path: None,
             next_runs: None,
             sums_of_squares: None,
+            without_suspects: None,
             notes: analysis.notes.clone(),
             set_aside,
         }
@@ -203,6 +207,8 @@ impl Document {
         analysis: &Analysis,
     ) -> Result<(), Error> {
         self.diagnostics = Some(diagnose(design, analysis, args.alpha)?);
+        let without = without_suspects(design, response, analysis, &Options { alpha: args.alpha })?;
+        self.without_suspects = without.map(|without| without.coefficients.iter().map(Term::from).collect());
         if response.iter().flatten().all(|y| *y > 0.0) {
             self.box_cox = box_cox(design, response, args.alpha)?;
         } else {
@@ -215,6 +221,7 @@ impl Document {
                 self.smallest_coefficient =
                     smallest_coefficient(error.variance, analysis.cells.len(), replicates, args.alpha, WANTED_POWER).ok()
             }
+            None if analysis.error.is_none() => (),
             None => self.notes.push("The smallest effect that would be found is computed for balanced, replicated designs only.".into()),
         }
         if let Some(kind) = args.sums_of_squares {

@@ -270,6 +270,21 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_does_not_belong_is_named_by_its_row_and_left_out_beside() {
+        let noise = [0.1, -0.2, 0.15, 0.05, -0.1, 0.0, 0.2, -0.15, 0.05, -0.05, 0.1, -0.1];
+        let mut text = String::from("a,y\n");
+        for (i, e) in noise.iter().enumerate() {
+            let shift = if i == 6 { 30.0 } else { 0.0 };
+            text += &format!("{},{}\n", [-1, 1][i % 2], 5.0 + e + shift);
+        }
+        let json = json_of("t.csv", &text, "a");
+        let suspects = json["diagnostics"]["suspects"].as_array().unwrap();
+        assert_eq!((suspects.len(), suspects[0]["run"].as_u64(), json["rows"][6].as_u64()), (1, Some(6), Some(8)));
+        // Without it, the mean of the low level is 5 + (0.1 + 0.15 − 0.1 + 0.05 + 0.1)/5 = 5.06, of the high one 5 − 0.45/6 = 4.925.
+        assert!((json["without_suspects"][1]["estimate"].as_f64().unwrap() - (4.925 - 5.06) / 2.0).abs() < 1e-14);
+    }
+
+    #[test]
     fn own_standard_errors_weigh_the_runs() {
         let folder = tempfile::tempdir().unwrap();
         let table = folder.path().join("t.csv");

@@ -27,7 +27,10 @@ pub(super) fn text_of(document: &Document) -> String {
             term.p.map_or("–".into(), probability),
         ));
     }
-    lines.push(format!("* significant at {}; error on {} degrees of freedom", document.alpha, document.residual_df));
+    lines.push(match document.error_variance {
+        Some(_) => format!("* significant at {}; error on {} degrees of freedom", document.alpha, document.residual_df),
+        None => "No error to test against; see the notes.".into(),
+    });
     lines.push(String::new());
     let verdict = document.equal_variances.as_ref();
     lines.push(verdict.map_or("Do all treatments scatter alike? not testable".into(), |v| {
@@ -52,7 +55,7 @@ pub(super) fn text_of(document: &Document) -> String {
                 if part.term == "1" { number } else { format!("{number}·{}", part.term.replace(':', "·")) }
             })
             .collect();
-        lines.push(format!("In natural units, significant terms only: {} = {}", document.response, parts.join(" ")));
+        lines.push(format!("Reduced model in natural units: {} = {}", document.response, parts.join(" ")));
     }
     further(document, &mut lines);
     if !document.notes.is_empty() {
@@ -82,6 +85,10 @@ fn further(document: &Document, lines: &mut Vec<String>) {
                 probability(suspect.p)
             ));
         }
+    }
+    if let Some(terms) = &document.without_suspects {
+        let list: Vec<String> = terms.iter().map(|c| format!("{} {} ± {}", c.term, short(c.estimate), short(c.se))).collect();
+        lines.push(format!("Without these: {}", list.join("; ")));
     }
     if let Some(found) = &document.box_cox {
         let end = |end: Option<f64>| end.map_or("beyond ±5".into(), |end| format!("{end:.2}"));
