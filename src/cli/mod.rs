@@ -1,5 +1,6 @@
 //! One file per command: arguments → options → library call → report.
 
+pub mod check;
 pub mod fit;
 pub mod predict;
 pub mod regress;
@@ -8,6 +9,7 @@ pub mod run;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength, Shade};
@@ -33,6 +35,7 @@ enum Command {
     Fit(fit::Fit),
     Predict(predict::Predict),
     Regress(regress::Regress),
+    Check(check::Check),
 }
 
 /// Parses the command line and runs it.
@@ -43,11 +46,20 @@ pub fn run() -> ExitCode {
         Command::Fit(args) => fit::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::Regress(args) => regress::run(&args),
+        Command::Check(args) => check::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");
         ExitCode::from(2)
     })
+}
+
+/// A bar for `runs` runs; drawn on a terminal only, in a pipe indicatif is silent.
+fn progress(runs: usize, message: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}").expect("a template that indicatif knows");
+    let bar = ProgressBar::new(runs as u64).with_style(style.progress_chars("━╸ "));
+    bar.set_message(message);
+    bar
 }
 
 /// `auto`, `6` or `4-9`.

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
 use crate::import;
@@ -61,11 +60,7 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
         sources: imported.sources,
         notes: imported.notes,
     };
-    // Drawn on a terminal only: in a pipe indicatif is silent.
-    let bar = ProgressBar::new(measured.campaign.design.runs.len() as u64).with_style(
-        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}").expect("a template that indicatif knows").progress_chars("━╸ "),
-    );
-    bar.set_message("Fitting");
+    let bar = super::progress(measured.campaign.design.runs.len(), "Fitting");
     let study = analyse(measured, &|| bar.inc(1));
     bar.set_message("Writing the report");
     let provenance = report::Provenance {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::check::CheckRules;
 use super::design::Design;
 use super::specimen::Apparatus;
 use crate::units::Metre;
@@ -105,4 +106,6 @@ pub struct Campaign {
     pub foundation_modulus: f64,
     /// How pictures among the profile files are read; `None` where the campaign has no scale for them.
     pub pictures: Option<Pictures>,
+    /// What `hemline check` holds it to.
+    pub check: CheckRules,
 }

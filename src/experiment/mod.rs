@@ -1,6 +1,7 @@
 //! What was measured, on what, under which treatment.
 
 pub mod campaign;
+pub mod check;
 pub mod design;
 mod neighbours;
 mod ordering;
@@ -10,6 +11,7 @@ pub mod specimen;
 mod tour;
 
 pub use campaign::Campaign;
+pub use check::CheckRules;
 pub use design::{Design, Factor, Run};
 pub use profile::{DrapeProfile, Point};
 pub use provenance::{Quarantined, Source};

@@ -75,8 +75,23 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         gravity: file.gravity,
         foundation_modulus: file.foundation_modulus,
         pictures: file.pictures,
+        check: file.check,
     };
+    known_runs(&toml, &campaign, &quarantine)?;
     Ok(Imported { campaign, profiles, quarantine, sources, notes })
+}
+
+/// An expected failure must speak of a run that is there, or that is known to be missing.
+fn known_runs(toml: &Path, campaign: &Campaign, quarantine: &[Quarantined]) -> Result<(), Error> {
+    let runs = campaign.design.runs.iter().map(|run| run.id.as_str());
+    let known: Vec<&str> = runs.chain(quarantine.iter().filter_map(|q| q.run.as_deref())).collect();
+    for expected in campaign.check.expected.iter().filter(|expected| !expected.question.of_responses()) {
+        if let Some(stranger) = expected.subjects.iter().find(|id| !known.contains(&id.as_str())) {
+            let place = Place::file(toml).row(expected.row);
+            return Err(Error::input(place, format!("there is no run “{stranger}”"), "name runs as the design table does"));
+        }
+    }
+    Ok(())
 }
 
 struct Profiles<'a> {

@@ -7,13 +7,14 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::check_table::CheckTable;
 use super::delimited::one_line;
 use super::source;
 use super::table::length_unit;
 use crate::error::{Error, Place};
 use crate::experiment::Source;
 use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES};
-use crate::experiment::{Apparatus, Factor};
+use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
 /// A quantity of the campaign: one number for all runs, or a column of the design table. SI.
@@ -53,6 +54,7 @@ pub(super) struct CampaignFile {
     pub gravity: f64,
     pub foundation_modulus: f64,
     pub pictures: Option<Pictures>,
+    pub check: CheckRules,
 }
 
 #[derive(Deserialize)]
@@ -70,6 +72,8 @@ struct Document {
     analysis: Analysis,
     #[serde(default)]
     profiles: Profiles,
+    #[serde(default)]
+    check: CheckTable,
 }
 
 #[derive(Deserialize, Clone)]
@@ -207,18 +211,21 @@ fn letters_apart(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-struct Reader<'a> {
-    path: &'a Path,
+/// What a significance level may be.
+pub(super) const LEVEL: &str = "between 0 and 1, both excluded";
+
+pub(super) struct Reader<'a> {
+    pub(super) path: &'a Path,
     text: &'a str,
 }
 
 impl Reader<'_> {
-    fn place(&self, span: &Range<usize>) -> Place {
+    pub(super) fn place(&self, span: &Range<usize>) -> Place {
         Place::file(self.path).row(row_of(self.text, span))
     }
 
     fn check(&self, document: Document, source: Source) -> Result<CampaignFile, Error> {
-        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles } = document;
+        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, check } = document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
         {
@@ -245,6 +252,8 @@ impl Reader<'_> {
         }
         let mut cloth = self.quantities("cloth", cloth, &["areal_density", "flexural_rigidity"], &["g_m2", "kg_m2", "un_m", "n_m"])?;
         let (hem_length, folds) = (self.hem_length(&analysis)?, self.folds(&analysis)?);
+        let alpha = self.number(&analysis.alpha, 0.05, "alpha", LEVEL, |a| 0.0 < a && a < 1.0)?;
+        let responses = self.responses(&analysis.responses)?;
         Ok(CampaignFile {
             source,
             title: title.into_inner(),
@@ -254,8 +263,9 @@ impl Reader<'_> {
             areal_density: cloth.remove("areal_density"),
             flexural_rigidity: cloth.remove("flexural_rigidity"),
             factors: self.factors(factors)?,
-            responses: self.responses(&analysis)?,
-            alpha: self.number(&analysis.alpha, 0.05, "alpha", "between 0 and 1, both excluded", |a| 0.0 < a && a < 1.0)?,
+            check: check.rules(self, alpha, &responses)?,
+            responses,
+            alpha,
             folds,
             hem_length,
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
@@ -271,7 +281,8 @@ impl Reader<'_> {
         })
     }
 
-    fn number(
+    /// A number that the file gives, or `default`.
+    pub(super) fn number(
         &self,
         given: &Option<Spanned<f64>>,
         default: f64,
@@ -360,9 +371,9 @@ impl Reader<'_> {
         Ok(factors)
     }
 
-    fn responses(&self, analysis: &Analysis) -> Result<Vec<String>, Error> {
+    fn responses(&self, given: &Option<Spanned<Vec<String>>>) -> Result<Vec<String>, Error> {
         let known = RESPONSES.map(|r| r.name);
-        let Some(given) = &analysis.responses else { return Ok(USUAL_RESPONSES.map(String::from).to_vec()) };
+        let Some(given) = given else { return Ok(USUAL_RESPONSES.map(String::from).to_vec()) };
         for name in given.get_ref() {
             if !RESPONSES.iter().any(|r| r.name == name || r.column == name) {
                 return Err(unknown(self.place(&given.span()), &format!("unknown response “{name}”"), name, &known));

@@ -2,6 +2,7 @@
 
 pub mod campaign;
 mod campaign_file;
+mod check_table;
 mod delimited;
 mod design;
 mod edge;

@@ -1,5 +1,6 @@
 //! Results → files; computes nothing.
 
+pub mod check;
 pub mod csv;
 pub mod date;
 pub mod document;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::experiment::campaign::{Folds, HemLength};
-use crate::experiment::{Apparatus, Campaign, Design, DrapeProfile, Fabric, Factor, Point, Run, Skirt};
+use crate::experiment::{Apparatus, Campaign, CheckRules, Design, DrapeProfile, Fabric, Factor, Point, Run, Skirt};
 use crate::statistics::box_wilson::Coefficient;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::{CENTIMETRE, GRAM_PER_SQUARE_METRE, KilogramPerSquareMetre, MICRONEWTON_METRE, Metre, NewtonMetre};
@@ -44,6 +44,7 @@ pub fn study() -> CampaignStudy {
         gravity: 9.81,
         foundation_modulus: 0.0,
         pictures: None,
+        check: CheckRules::usual(0.05, vec!["p_mm".into()]),
     };
     let profiles = runs.iter().map(profile).collect();
     let notes = vec!["Sample of the tests.".into()];

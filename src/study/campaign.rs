@@ -49,6 +49,8 @@ pub struct CampaignStudy {
     pub campaign: Campaign,
     /// In run order.
     pub runs: Vec<RunStudy>,
+    /// The runs in coded units, or why they make no factorial.
+    pub design: Result<FactorialDesign, String>,
     /// In the order that the campaign asks for.
     pub regressions: Vec<Regression>,
     /// What was set aside on reading.
@@ -85,8 +87,12 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
             study
         })
         .collect();
-    let regressions = regress(&campaign, &runs, &mut notes);
-    CampaignStudy { campaign, runs, regressions, quarantine, sources, notes }
+    let design = factorial(&campaign);
+    if let Err(reason) = &design {
+        notes.push(format!("no regression: {reason}"));
+    }
+    let regressions = regress(&campaign, &design, &runs);
+    CampaignStudy { campaign, runs, design, regressions, quarantine, sources, notes }
 }
 
 fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> RunStudy {
@@ -146,18 +152,18 @@ fn drape_coefficient(tester: &Skirt, outline: &[Point]) -> f64 {
     (area - support) / (specimen - support)
 }
 
-fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> Vec<Regression> {
-    let weighed = response::weighed(campaign);
-    let axes = campaign.design.factors.iter().map(|f| Axis { name: f.name.clone(), low: f.low, high: f.high }).collect();
-    let levels = runs.iter().map(|r| r.run.levels.clone()).collect();
-    let design = if campaign.design.factors.is_empty() {
-        Err("the campaign names no factors".to_string())
-    } else {
-        FactorialDesign::new(axes, levels).map_err(|e| e.to_string())
-    };
-    if let Err(reason) = &design {
-        notes.push(format!("no regression: {reason}"));
+fn factorial(campaign: &Campaign) -> Result<FactorialDesign, String> {
+    let design = &campaign.design;
+    if design.factors.is_empty() {
+        return Err("the campaign names no factors".into());
     }
+    let axes = design.factors.iter().map(|f| Axis { name: f.name.clone(), low: f.low, high: f.high }).collect();
+    let levels = design.runs.iter().map(|run| run.levels.clone()).collect();
+    FactorialDesign::new(axes, levels).map_err(|e| e.to_string())
+}
+
+fn regress(campaign: &Campaign, design: &Result<FactorialDesign, String>, runs: &[RunStudy]) -> Vec<Regression> {
+    let weighed = response::weighed(campaign);
     let options = box_wilson::Options { alpha: campaign.alpha };
     let mut studies: Vec<Regression> = campaign
         .responses
@@ -165,7 +171,7 @@ fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> V
         .filter_map(|name| response::named(name, weighed))
         .map(|response| {
             let values: Vec<Option<f64>> = runs.iter().map(|run| response::value(&response, run)).collect();
-            let analysis = match &design {
+            let analysis = match design {
                 Ok(design) if values.iter().any(Option::is_some) => {
                     box_wilson::analyse(design, &values, &options).map_err(|e| e.to_string())
                 }

@@ -1,0 +1,1 @@
+//! Hostile words and every status survive in every format.
