@@ -2,6 +2,7 @@
 
 use super::baseline::Baseline;
 use super::campaign::{CampaignStudy, Regression, RunStudy};
+use super::comparison::Comparison;
 use super::response;
 use crate::experiment::CheckRules;
 use crate::experiment::check::Question;
@@ -247,9 +248,12 @@ fn answer(question: Question, analysis: &Analysis, diagnostics: &Diagnostics) ->
     }
 }
 
+/// Whether a run keeps a limit and by what measure, or why that cannot be said.
+type Kept = Result<(bool, Measure), String>;
+
 fn theory(study: &CampaignStudy, rules: &CheckRules) -> Vec<Judgement> {
     let mut judgements = Vec::new();
-    let mut ask = |question: Question, asked: bool, judged: &dyn Fn(&RunStudy) -> Result<(bool, Measure), String>| {
+    let mut ask = |question: Question, asked: bool, judged: &dyn Fn(&RunStudy) -> Kept| {
         if !asked {
             let remark = format!("[check] in campaign.toml sets no {}", limit_key(question));
             judgements.push(judge(question, Subject::Campaign, Status::NotAsked, None, remark));
@@ -268,18 +272,16 @@ fn theory(study: &CampaignStudy, rules: &CheckRules) -> Vec<Judgement> {
     let missing = |run: &RunStudy| {
         run.prediction_missing.clone().unwrap_or_else(|| "the theory has no hem with as many folds as are fitted".to_string())
     };
-    let lengths: [(Question, Option<f64>, fn(&super::comparison::Comparison) -> f64); 3] = [
-        (Question::TheoryRms, rules.theory_rms, |c| c.rms),
-        (Question::TheoryFoldDepth, rules.theory_fold_depth, |c| c.depth),
-        (Question::TheoryMeanRadius, rules.theory_mean_radius, |c| c.mean_radius),
-    ];
-    for (question, limit, pick) in lengths {
+    let mut ask_length = |question: Question, limit: Option<f64>, pick: fn(&Comparison) -> f64| {
         ask(question, limit.is_some(), &|run| {
             let limit = limit.unwrap_or_default();
             let off = run.comparison.as_ref().map(pick).ok_or_else(|| missing(run))?;
             Ok((off.abs() <= limit, Measure::Length { off, limit }))
         });
-    }
+    };
+    ask_length(Question::TheoryRms, rules.theory_rms, |c| c.rms);
+    ask_length(Question::TheoryFoldDepth, rules.theory_fold_depth, |c| c.depth);
+    ask_length(Question::TheoryMeanRadius, rules.theory_mean_radius, |c| c.mean_radius);
     ask(Question::TheoryFoldCount, rules.theory_fold_count.is_some(), &|run| {
         let limit = rules.theory_fold_count.unwrap_or_default();
         let (fit, prediction) = (run.fit.as_ref()?, run.prediction.as_ref().ok_or_else(|| missing(run))?);
@@ -295,7 +297,8 @@ fn limit_key(question: Question) -> String {
     if question == Question::TheoryFoldCount { format!("{}_off", question.name()) } else { format!("{}_mm", question.name()) }
 }
 
-/// An estimate without a standard error may differ by this share of itself: what another order of summation does, and no more.
+/// A move by less than this share of the estimate is rounding (another machine's sine, another order of summation), however small its error;
+/// all that an estimate without a standard error may do.
 const ROUNDING: f64 = 1e-9;
 
 fn drift(study: &CampaignStudy, rules: &CheckRules, reference: &Reference) -> Vec<Judgement> {
@@ -343,10 +346,7 @@ fn moved((before, before_error): (f64, Option<f64>), (estimate, error): (f64, Op
     let difference = estimate - before;
     let standard_error = [before_error, error].into_iter().flatten().filter(|e| 0.0 < *e).reduce(f64::min);
     let moved = standard_error.map(|e| difference / e);
-    let good = match moved {
-        Some(moved) => moved.abs() <= limit,
-        None => difference.abs() <= ROUNDING * before.abs().max(estimate.abs()),
-    };
+    let good = difference.abs() <= ROUNDING * before.abs().max(estimate.abs()) || moved.is_some_and(|moved| moved.abs() <= limit);
     (good, Measure::Drift { baseline: before, estimate, standard_error, moved, limit })
 }
 
@@ -389,7 +389,7 @@ mod tests {
         assert!(moved((6.0, None), (6.0, None), 1.0).0 && !moved((6.0, None), (7.0, None), 1.0).0);
         assert!(moved((0.0, None), (0.0, None), 1.0).0);
         // A summation in another order is no move.
-        assert!(moved((1.0, None), (1.0 + 1e-15, None), 1.0).0);
+        assert!(moved((1.0, None), (1.0 + 1e-15, None), 1.0).0 && moved((1.0, Some(1e-18)), (1.0 + 1e-15, Some(1e-18)), 1.0).0);
     }
 
     #[test]

@@ -9,12 +9,15 @@ use super::{finding, subject};
 use crate::experiment::check::Question;
 use crate::study::check::{Judgement, Status};
 
+/// Which statuses a list is about.
+type Wanted = fn(&Status) -> bool;
+
 /// More lines than these nobody reads in an annotation.
 const MOST_LINES: usize = 12;
 
 /// One workflow command a line; `file` is the campaign's `campaign.toml`. Empty if everything holds.
 pub fn annotations(file: &Path, judgements: &[Judgement]) -> String {
-    let kinds: [(&str, &str, fn(&Status) -> bool); 4] = [
+    let kinds: [(&str, &str, Wanted); 4] = [
         ("error", "could not be answered", |s| matches!(s, Status::Unanswered)),
         ("error", "fails", |s| matches!(s, Status::Fails)),
         ("error", "does not fail as expected", |s| matches!(s, Status::Stale { .. })),

@@ -5,11 +5,14 @@ use crate::experiment::check::Question;
 use crate::report::number::{fixed, plain};
 use crate::study::check::{Conclusion, Judgement, Measure, Status, conclusion};
 
+/// Which statuses a list is about.
+type Wanted = fn(&Status) -> bool;
+
 /// A table of counts, then one line for each judgement that does not hold, then the conclusion.
 pub fn text(title: &str, judgements: &[Judgement]) -> String {
     let mut out = format!("{title}\n\n{:<20}{:>7}{:>7}{:>10}{:>12}\n", "", "holds", "fails", "expected", "unanswered");
     for question in Question::ALL {
-        let count = |wanted: fn(&Status) -> bool| judgements.iter().filter(|j| j.question == question && wanted(&j.status)).count();
+        let count = |wanted: Wanted| judgements.iter().filter(|j| j.question == question && wanted(&j.status)).count();
         let counts = [
             count(|s| matches!(s, Status::Holds)),
             count(|s| matches!(s, Status::Fails | Status::Stale { .. })),
@@ -24,7 +27,7 @@ pub fn text(title: &str, judgements: &[Judgement]) -> String {
         let shown = counts.map(|n| if n == 0 { "–".to_string() } else { n.to_string() });
         out += &format!("{:<20}{:>7}{:>7}{:>10}{:>12}\n", question.name(), shown[0], shown[1], shown[2], shown[3]);
     }
-    let lists: [(&str, fn(&Status) -> bool); 4] = [
+    let lists: [(&str, Wanted); 4] = [
         ("Could not be answered", |s| matches!(s, Status::Unanswered)),
         ("Fails", |s| matches!(s, Status::Fails)),
         ("Does not fail as expected", |s| matches!(s, Status::Stale { .. })),
@@ -62,7 +65,7 @@ fn chance(judgements: &[Judgement]) -> String {
 
 /// The conclusion in one sentence.
 pub fn concluded(judgements: &[Judgement]) -> String {
-    let count = |wanted: fn(&Status) -> bool| judgements.iter().filter(|j| wanted(&j.status)).count();
+    let count = |wanted: Wanted| judgements.iter().filter(|j| wanted(&j.status)).count();
     let (fails, stale) = (count(|s| matches!(s, Status::Fails)), count(|s| matches!(s, Status::Stale { .. })));
     let (expected, unanswered) = (count(|s| matches!(s, Status::Expected { .. })), count(|s| matches!(s, Status::Unanswered)));
     let mut parts = Vec::new();
