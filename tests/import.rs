@@ -134,11 +134,16 @@ mod campaigns {
     fn natural_levels_are_coded() {
         let folder = campaign(|toml, design| {
             *toml = toml.replace("low = 20\nhigh = 26\n", "low = 20\nhigh = 26\nlevels = \"natural\"\n");
-            for (coded, natural) in [("-1", "20.0"), ("1", "26")] {
-                for stiff in ["-1", "1"] {
-                    *design = design.replace(&format!(",{stiff},{coded},1"), &format!(",{stiff},{natural},1"));
-                }
-            }
+            let natural = |line: &str| {
+                let mut cells: Vec<&str> = line.split(',').collect();
+                cells[3] = match cells[3] {
+                    "-1" => "20.0",
+                    "1" => "26",
+                    header => header,
+                };
+                cells.join(",") + "\n"
+            };
+            *design = design.lines().map(natural).collect();
         });
         let imported = load(&folder);
         assert_eq!(imported.quarantine, []);

@@ -46,6 +46,19 @@ pub enum Shade {
     Auto,
 }
 
+impl std::str::FromStr for Shade {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "dark" => Ok(Shade::Dark),
+            "light" => Ok(Shade::Light),
+            "auto" => Ok(Shade::Auto),
+            _ => Err(format!("“{text}” is no shade: use dark, light or auto")),
+        }
+    }
+}
+
 /// How pictures of drapes are read.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pictures {

@@ -83,7 +83,7 @@ mod tests {
         points.push(Point::new(1e5, -1e5));
         let tree = Neighbours::new(&points);
         for of in 0..points.len() {
-            let keep = |i: usize| i % 3 != 0;
+            let keep = |i: usize| !i.is_multiple_of(3);
             let mut scan: Vec<(f64, u32)> =
                 (0..points.len()).filter(|&i| i != of && keep(i)).map(|i| (points[of].distance(points[i]), i as u32)).collect();
             scan.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

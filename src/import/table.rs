@@ -237,7 +237,7 @@ impl Coordinates {
 
 /// `Some(unit)` if `name` is a column for `axis`: `x_cm`, `X [cm]`, `x, cm`, `x (cm)`, `x/cm`; the unit is `None` for a bare `x`.
 fn axis_unit(name: &str, axis: &str) -> Option<Option<String>> {
-    let name = name.to_lowercase().replace('µ', "u").replace('μ', "u");
+    let name = name.to_lowercase().replace(['µ', 'μ'], "u");
     let tokens: Vec<&str> = name.split(|c: char| !(c.is_alphanumeric() || c == '"')).filter(|t| !t.is_empty()).collect();
     match tokens[..] {
         [first] if first == axis => Some(None),
