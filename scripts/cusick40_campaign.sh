@@ -55,6 +55,10 @@ label = "samples (−1: 1–5; +1: 7–11), a negative control"
 low = -1
 high = 1
 
+# Without areal density λ is known only per weight of cloth.
+[analysis]
+responses = ["p", "q", "s", "m", "lambda_over_weight", "rms", "fold_depth", "explained", "drape_coefficient"]
+
 [profiles]
 scale_mm_per_px = 1.383
 object = "dark"

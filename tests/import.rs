@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hemline::experiment::campaign::{Folds, HemLength, Pictures, Shade};
+use hemline::experiment::campaign::{Folds, HemLength, Pictures, Shade, USUAL_RESPONSES};
 use hemline::experiment::{Apparatus, Point};
 use hemline::import::{self, Imported, image, table};
 use hemline::model::hem::{Hem, Placement};
@@ -126,7 +126,7 @@ mod campaigns {
         let imported = load(&campaign(|_, _| ()));
         assert_eq!(imported.quarantine, []);
         assert_eq!(usable(&imported), ["1", "2", "3", "4", "5", "6", "7", "8"]);
-        assert_eq!(imported.campaign.responses.len(), 9);
+        assert_eq!(imported.campaign.responses, USUAL_RESPONSES);
         assert_eq!(imported.campaign.alpha, 0.05);
     }
 

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::{Error, Place};
 use crate::experiment::Apparatus;
-use crate::experiment::campaign::RESPONSES;
+use crate::experiment::campaign::{RESPONSES, USUAL_RESPONSES};
 
 /// Write an empty campaign: campaign.toml with a comment on every key, design.csv with the runs laid out in random order, profiles/.
 #[derive(Debug, Args)]
@@ -126,8 +126,10 @@ fn campaign_toml(args: &Init) -> String {
         Apparatus::Drapemeter => ("drapemeter", DRAPEMETER),
     };
     let factors: String = args.factors.iter().map(|name| FACTOR.replace("NAME", name)).collect();
-    let responses = RESPONSES.map(|r| format!("#   {:<22} {}, {}\n", r.name, r.label, r.unit)).concat();
-    HEAD.replace("APPARATUS", word) + geometry + CLOTH + &factors + &ANALYSIS.replace("RESPONSES", &responses)
+    let quoted = |names: &[&str]| names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+    let further: Vec<&str> = RESPONSES.iter().map(|r| r.name).filter(|name| !USUAL_RESPONSES.contains(name)).collect();
+    let analysis = ANALYSIS.replace("USUAL", &quoted(&USUAL_RESPONSES)).replace("FURTHER", &further.join(", "));
+    HEAD.replace("APPARATUS", word) + geometry + CLOTH + &factors + &analysis
 }
 
 const HEAD: &str = r#"# A drape campaign, read by `hemline run`. Lines marked with ← are to be filled in; the rest works as it is.
@@ -176,8 +178,9 @@ levels = "coded"    # the column holds −1 and 1; "natural": it holds low and h
 const ANALYSIS: &str = r#"
 # Everything below may be left out; the values shown are what is used then.
 [analysis]
-# responses = ["p", "q"]        # which to regress on the factors; all of these unless told:
-RESPONSES# alpha = 0.05                  # significance level of every test
+# What to regress on the factors; there are also FURTHER.
+# responses = [USUAL]
+# alpha = 0.05                  # significance level of every test
 # folds = "auto"                # by evidence among 2 to 24; or a number; or { from = 3, to = 12 }
 # hem_length = "auto"           # "free", or hem_length_cm = 94.2 to hold the fitted curve at that length
 # gravity_m_s2 = 9.81
@@ -300,7 +303,7 @@ mod tests {
         }
         let default = import::load(&args.dir).unwrap_or_else(|e| panic!("{e}")).campaign;
         edit(args.dir.join("campaign.toml"), |text| {
-            ["alpha", "folds", "hem_length", "gravity_m_s2", "foundation_modulus_n_m3"]
+            ["responses", "alpha", "folds", "hem_length", "gravity_m_s2", "foundation_modulus_n_m3"]
                 .iter()
                 .fold(text, |text, key| text.replace(&format!("# {key} ="), &format!("{key} =")))
         });

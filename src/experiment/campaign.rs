@@ -46,19 +46,6 @@ pub enum Shade {
     Auto,
 }
 
-impl std::str::FromStr for Shade {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "dark" => Ok(Shade::Dark),
-            "light" => Ok(Shade::Light),
-            "auto" => Ok(Shade::Auto),
-            _ => Err(format!("“{text}” is no shade: use dark, light or auto")),
-        }
-    }
-}
-
 /// How pictures of drapes are read.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pictures {
@@ -67,29 +54,34 @@ pub struct Pictures {
     pub object: Shade,
 }
 
-/// One response that can be regressed on the factors.
+/// A response: the short name by which a campaign asks for it, and its column of the fits table, whose suffix is its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Response {
-    /// As campaign files and result tables name it.
     pub name: &'static str,
-    /// What it is, in words.
-    pub label: &'static str,
-    /// Unit in which tables show it.
-    pub unit: &'static str,
+    pub column: &'static str,
 }
 
-/// Every response that a campaign may ask for, in the order of the tables.
-pub const RESPONSES: [Response; 9] = [
-    Response { name: "p", label: "mean radius p", unit: "mm" },
-    Response { name: "q", label: "fold amplitude q", unit: "mm" },
-    Response { name: "s", label: "sideways lean s", unit: "mm" },
-    Response { name: "m", label: "fold count m", unit: "1" },
-    Response { name: "lambda_first_integral", label: "λ by the first integral", unit: "N/m²" },
-    Response { name: "lambda_ritz", label: "λ by the Ritz condition", unit: "N/m²" },
-    Response { name: "lambda_ruled", label: "λ of the ruled shell", unit: "N" },
-    Response { name: "rms", label: "rms distance", unit: "mm" },
-    Response { name: "fold_depth", label: "fold depth", unit: "mm" },
+/// Every response that a campaign may ask for, by either name.
+pub const RESPONSES: [Response; 15] = [
+    Response { name: "p", column: "p_mm" },
+    Response { name: "q", column: "q_mm" },
+    Response { name: "s", column: "s_mm" },
+    Response { name: "m", column: "m" },
+    Response { name: "lambda", column: "lambda_first_integral_n_m2" },
+    Response { name: "lambda_over_weight", column: "lambda_over_weight" },
+    Response { name: "lambda_ritz", column: "lambda_ritz_n_m2" },
+    Response { name: "lambda_ruled", column: "lambda_ruled_n" },
+    Response { name: "rms", column: "rms_mm" },
+    Response { name: "fold_depth", column: "fold_depth_mm" },
+    Response { name: "mean_radius", column: "mean_radius_mm" },
+    Response { name: "perimeter", column: "perimeter_mm" },
+    Response { name: "explained", column: "explained_share" },
+    Response { name: "drape_coefficient", column: "drape_coefficient_percent" },
+    Response { name: "theory_gap", column: "theory_gap_mm" },
 ];
+
+/// What is regressed where a campaign does not say: p, q, s, m, λ, rms and fold depth.
+pub const USUAL_RESPONSES: [&str; 7] = ["p", "q", "s", "m", "lambda", "rms", "fold_depth"];
 
 /// Everything about a campaign but its measured outlines.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -6,11 +6,11 @@ use std::path::{Component, Path, PathBuf};
 
 use super::design::{self, DesignTable};
 use super::image::{self, is_picture};
-use super::quarantine::Quarantined;
-use super::source::Source;
 use super::table::{self, Table};
 use super::{campaign_file, delimited};
 use crate::error::{Error, Place};
+use crate::experiment::Quarantined;
+use crate::experiment::Source;
 use crate::experiment::campaign::Pictures;
 use crate::experiment::{Campaign, DrapeProfile, Run};
 
@@ -143,7 +143,7 @@ impl Profiles<'_> {
                 Some(silhouette.profile)
             }
             Err(error) => {
-                self.quarantine.push(Quarantined::from_error(Some(run.id.clone()), path.to_path_buf(), error));
+                self.quarantine.push(super::quarantine::refused(Some(run.id.clone()), path.to_path_buf(), error));
                 None
             }
         }
@@ -151,7 +151,7 @@ impl Profiles<'_> {
 
     fn outline(&mut self, run: &Run, path: &Path) -> Option<DrapeProfile> {
         if !self.tables.contains_key(path) {
-            let table = table::profiles(path).map_err(|e| Quarantined::from_error(None, path.to_path_buf(), e));
+            let table = table::profiles(path).map_err(|e| super::quarantine::refused(None, path.to_path_buf(), e));
             if let Ok(table) = &table {
                 self.sources.push(table.source.clone());
                 // Rows that name no profile belong to no run; they are listed once.

@@ -8,10 +8,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::delimited::one_line;
-use super::source::{self, Source};
+use super::source;
 use super::table::length_unit;
 use crate::error::{Error, Place};
-use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade};
+use crate::experiment::Source;
+use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES};
 use crate::experiment::{Apparatus, Factor};
 use crate::units::{self, Metre};
 
@@ -361,9 +362,9 @@ impl Reader<'_> {
 
     fn responses(&self, analysis: &Analysis) -> Result<Vec<String>, Error> {
         let known = RESPONSES.map(|r| r.name);
-        let Some(given) = &analysis.responses else { return Ok(known.map(String::from).to_vec()) };
+        let Some(given) = &analysis.responses else { return Ok(USUAL_RESPONSES.map(String::from).to_vec()) };
         for name in given.get_ref() {
-            if !known.contains(&name.as_str()) {
+            if !RESPONSES.iter().any(|r| r.name == name || r.column == name) {
                 return Err(unknown(self.place(&given.span()), &format!("unknown response “{name}”"), name, &known));
             }
         }

@@ -10,9 +10,10 @@ use std::sync::Arc;
 use polars::prelude::{CsvParseOptions, CsvReadOptions, DataType, Field, Schema, SerReader};
 
 use super::number::Numbers;
-use super::source::{self, Source};
+use super::source;
 use crate::error::{Error, Place};
-use crate::import::Quarantined;
+use crate::experiment::Quarantined;
+use crate::experiment::Source;
 
 /// Separators tried, in this order: the first that splits header and rows alike is it.
 const SEPARATORS: [char; 3] = ['\t', ';', ','];

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use super::campaign_file::{CampaignFile, Levels, Quantity, unknown};
 use super::delimited::{self, Delimited, shortened};
 use super::number::Numbers;
-use super::quarantine::Quarantined;
-use super::source::Source;
 use crate::error::{Error, Place};
+use crate::experiment::Quarantined;
+use crate::experiment::Source;
 use crate::experiment::{Apparatus, Design, Fabric, Factor, Run, Skirt};
 use crate::units::{KilogramPerSquareMetre, Metre, NewtonMetre};
 

@@ -11,9 +11,10 @@ use image::{DynamicImage, ImageDecoder, ImageReader, Limits, Rgb, RgbImage};
 
 use super::delimited::one_line;
 use super::edge::{self, Edge, Grey};
-use super::source::{self, Source};
+use super::source;
 use crate::error::{Error, Place};
-pub use crate::experiment::campaign::{Pictures, Shade};
+use crate::experiment::Source;
+use crate::experiment::campaign::{Pictures, Shade};
 use crate::experiment::{DrapeProfile, Point};
 use crate::units::Metre;
 

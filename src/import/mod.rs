@@ -7,10 +7,9 @@ mod design;
 mod edge;
 pub mod image;
 mod number;
-pub mod quarantine;
-pub mod source;
+pub mod numbers;
+mod quarantine;
+mod source;
 pub mod table;
 
 pub use campaign::{Imported, load};
-pub use quarantine::Quarantined;
-pub use source::Source;

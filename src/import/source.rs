@@ -1,21 +1,12 @@
 //! Provenance: which bytes were read.
 
-use std::path::{Path, PathBuf};
-
-use serde::Serialize;
+use std::path::Path;
 
 use crate::error::{Error, Place};
+use crate::experiment::Source;
 
 /// Larger files are no profile, table or photograph of one; it bounds the memory that an input can ask for. Bytes.
 const LARGEST: u64 = 1 << 30;
-
-/// A file that was read, and the digest of its bytes (FNV-1a, 64 bit, hex).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Source {
-    pub file: PathBuf,
-    pub bytes: u64,
-    pub digest: String,
-}
 
 /// Reads a whole file.
 pub(super) fn read(path: &Path) -> Result<(Vec<u8>, Source), Error> {

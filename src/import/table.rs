@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::delimited::{self, Delimited, shortened};
 use super::number::Numbers;
-use super::quarantine::Quarantined;
-use super::source::Source;
 use crate::error::{Error, Place};
+use crate::experiment::Quarantined;
+use crate::experiment::Source;
 use crate::experiment::{DrapeProfile, Point};
 use crate::units;
 

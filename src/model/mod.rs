@@ -1,3 +1,8 @@
 //! What could explain a profile: the hem curve, the tangent-angle family, the cone, the energy terms.
 
+pub mod ansatz;
+pub mod energy;
+pub mod functional;
+pub mod graded;
 pub mod hem;
+pub mod tangent;

@@ -1,8 +1,59 @@
 //! Forward: skirt + fabric + terms → predicted hem. Nothing here is fitted.
 
+pub mod ansatz;
+pub mod polar;
+pub mod ruled;
+
 use serde::Serialize;
 
-use crate::experiment::Point;
+pub use polar::Turning;
+
+use crate::error::Error;
+use crate::experiment::{Fabric, Point, Skirt};
+use crate::model::hem::Hem;
+use crate::numerics::minimize::Ending;
+use crate::units::STANDARD_GRAVITY;
+
+/// Which fold counts to consider.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Folds {
+    /// The fold count of least energy.
+    Auto,
+    /// This one, at least 2: with fewer the hem does not close by symmetry.
+    Exactly(u32),
+}
+
+/// Which theory predicts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fidelity {
+    /// The ruled shell over the tangent-angle family with this many harmonics, 1 … [`ruled::MOST_HARMONICS`].
+    Ruled { harmonics: usize },
+    /// The paper's curve in the same energy.
+    Ansatz,
+    /// The paper's equation (4); it has no bending, so it cannot choose the fold count.
+    Polar {
+        /// Foundation modulus E, N/m³.
+        foundation: f64,
+    },
+}
+
+/// What to predict with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    pub fidelity: Fidelity,
+    pub folds: Folds,
+    /// Acceleration of free fall, m/s².
+    pub gravity: f64,
+}
+
+impl Default for Options {
+    /// Eight harmonics: the hem is then right to a few hundredths of a millimetre, far inside what the theory neglects.
+    fn default() -> Self {
+        Options { fidelity: Fidelity::Ruled { harmonics: 8 }, folds: Folds::Auto, gravity: STANDARD_GRAVITY }
+    }
+}
 
 /// How a minimization ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -13,6 +64,16 @@ pub enum Termination {
     EvaluationLimit,
     /// The round cone is stable: there are no folds. An answer, not a failure.
     Round,
+}
+
+impl From<Ending> for Termination {
+    fn from(ending: Ending) -> Self {
+        match ending {
+            Ending::Converged => Termination::Converged,
+            Ending::Stalled => Termination::Stalled,
+            Ending::EvaluationLimit => Termination::EvaluationLimit,
+        }
+    }
 }
 
 /// The energy of one term at the solution.
@@ -29,12 +90,16 @@ pub struct TermEnergy {
 pub struct Branch {
     /// Fold count that was asked for.
     pub asked: u32,
-    /// True period of the solution: a branch may slide to a subharmonic.
+    /// True period of the solution: a branch may slide to a subharmonic. 0: it went back to the round cone.
     pub folds: u32,
+    /// Harmonics it was solved with: fold counts that one harmonic puts far above the least energy are not refined.
+    pub harmonics: usize,
     /// J.
     pub energy: f64,
     /// max r − min r, m.
     pub depth: f64,
+    /// Lowest eigenvalue of the energy's Hessian within the branch's own family, J; positive: stable against changes that keep its symmetry.
+    pub lowest_curvature: f64,
     pub termination: Termination,
 }
 
@@ -45,20 +110,110 @@ pub struct Prediction {
     pub fidelity: String,
     /// 0: round, no folds.
     pub folds: u32,
-    /// J.
+    /// In `energy_unit`.
     pub energy: f64,
+    /// `J`; `N/m` for the paper's functional, which is no energy as printed.
+    pub energy_unit: &'static str,
     pub terms: Vec<TermEnergy>,
     /// m.
     pub hem_radius_min: f64,
     /// m.
     pub hem_radius_max: f64,
-    /// a_1 … a_K, a_1 > 0.
+    /// a_1 … a_K, a_1 > 0; empty for the round cone.
     pub coefficients: Vec<f64>,
-    /// The hem, m: centred, a crest on the x axis, counter-clockwise, equally spaced in cloth length.
+    /// The hem, m: centred, a crest on the x axis, counter-clockwise, equally spaced in cloth length; the same number of points in every fold.
     #[serde(skip)]
     pub outline: Vec<Point>,
     pub termination: Termination,
+    /// Evaluations of energy, gradient and Hessian, over all branches.
     pub evaluations: usize,
-    /// Every fold count tried.
+    /// Every fold count tried, ascending.
     pub branches: Vec<Branch>,
+    /// What a reader should know before using the numbers: limits of the theory that this scene meets.
+    pub notes: Vec<String>,
+    /// p, q, s of the paper's curve, where the fidelity speaks in them.
+    pub hem: Option<Hem>,
+    /// The Lagrange multiplier of the hem's length, where the fidelity has one.
+    pub multiplier: Option<Multiplier>,
+    /// Turning points of the paper's equation (4).
+    pub turning: Option<Turning>,
+}
+
+/// What a longer hem would cost or save.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Multiplier {
+    pub value: f64,
+    /// `N` for an energy, `N/m²` for the paper's functional.
+    pub unit: &'static str,
+}
+
+impl Prediction {
+    /// Energy of one term, J; `None` if the term was not in.
+    pub fn energy_of(&self, term: &str) -> Option<f64> {
+        self.terms.iter().find(|t| t.term == term).map(|t| t.energy)
+    }
+
+    /// max r − min r, m.
+    pub fn depth(&self) -> f64 {
+        self.hem_radius_max - self.hem_radius_min
+    }
+}
+
+/// The hem of a skirt from its cut and its cloth.
+///
+/// # Errors
+/// [`Error::Invalid`] if the cloth data or an option is zero, negative or not finite; [`Error::Unanswerable`] if the cloth data are missing or
+/// the theory does not apply: a cone of base angle 0 (a drape tester) has no straight generatrices to hang from.
+pub fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
+    let cloth = Cloth::of(fabric, options.gravity)?;
+    if let Folds::Exactly(folds) = options.folds
+        && !(2..=ruled::MOST_FOLDS).contains(&folds)
+    {
+        return Err(Error::Invalid { quantity: "fold count", value: f64::from(folds), allowed: "2 to 512" });
+    }
+    match options.fidelity {
+        Fidelity::Ruled { harmonics } => ruled::predict(skirt, &cloth, options.folds, harmonics),
+        Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds),
+        Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds),
+    }
+}
+
+/// Cloth in a field of gravity, checked: weight per area ρ_A g (N/m²) and flexural rigidity B (N·m), both positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cloth {
+    weight: f64,
+    rigidity: f64,
+}
+
+impl Cloth {
+    /// # Errors
+    /// [`Error::Unanswerable`] where a property was not measured, [`Error::Invalid`] where it is not a positive number.
+    pub fn of(fabric: &Fabric, gravity: f64) -> Result<Self, Error> {
+        let missing = |what: &str| Error::Unanswerable(format!("the {what} of the cloth is not known, so its hem cannot be predicted"));
+        let density = fabric.areal_density.ok_or_else(|| missing("areal density"))?.0;
+        let rigidity = fabric.flexural_rigidity.ok_or_else(|| missing("flexural rigidity"))?.0;
+        for (quantity, value) in
+            [("areal density, kg/m²", density), ("flexural rigidity, N·m", rigidity), ("acceleration of free fall, m/s²", gravity)]
+        {
+            if !(value.is_finite() && 0.0 < value) {
+                return Err(Error::Invalid { quantity, value, allowed: "> 0" });
+            }
+        }
+        Ok(Cloth { weight: density * gravity, rigidity })
+    }
+
+    /// ρ_A g, N/m².
+    pub fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// B, N·m.
+    pub fn rigidity(&self) -> f64 {
+        self.rigidity
+    }
+
+    /// (B/ρ_A g)^⅓, m: the length over which this cloth holds itself up.
+    pub fn gravity_length(&self) -> f64 {
+        (self.rigidity / self.weight).cbrt()
+    }
 }

@@ -1,3 +1,6 @@
 //! Questions that need several layers at once.
 
 pub mod campaign;
+pub mod comparison;
+pub mod overview;
+pub mod response;

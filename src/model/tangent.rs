@@ -1,0 +1,343 @@
+//! The tangent-angle family: closed, inextensible hems of m equal folds, by the sine coefficients of their tangent angle.
+//!
+//! `c'(σ) = i R_n e^{i(σ + ψ)}`, `ψ = Σ_k a_k sin kmσ`, σ the material angle. Every such curve has the hem's own length everywhere, and for m ≥ 2 it
+//! closes by symmetry, so a constrained problem becomes a free one over a_1 … a_K. In the frame that turns with σ,
+//! `h = c e^{−iσ} = R_n Σ_j w_j e^{ijmσ}/(1 + jm)`, w_j the Fourier coefficients of e^{iψ}. Source: docs/model.md, section 5.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::experiment::{Point, Skirt};
+use crate::model::energy::bending::Bending;
+use crate::model::energy::gravity::Gravity;
+use crate::numerics::minimize::{Expansion, Smooth};
+
+/// The ruled shell of one skirt over hems of `folds` folds and `harmonics` coefficients, discretized.
+///
+/// Sine series are odd about a crest, so half a fold says everything: nodes φ_n = mσ_n = πn/half, n = 0 … half.
+#[derive(Debug, Clone)]
+pub struct RuledShell {
+    folds: u32,
+    waist: f64,
+    hem: f64,
+    gravity: Gravity,
+    bending: Bending,
+    /// Trapezoid weights of the half period; they sum to 2π.
+    weights: Vec<f64>,
+    /// sin kφ_n, row n, column k − 1.
+    sines: DMatrix<f64>,
+    /// km cos kφ_n: derivatives of the sines by σ.
+    slopes: DMatrix<f64>,
+    /// (Re h, Im h) from (cos ψ, sin ψ), stacked.
+    kernel: DMatrix<f64>,
+}
+
+/// The energy of a hem, term by term, J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Budget {
+    pub gravity: f64,
+    pub bending: f64,
+}
+
+impl Budget {
+    pub fn total(&self) -> f64 {
+        self.gravity + self.bending
+    }
+}
+
+/// Nodes in half a fold that keep aliasing below rounding for tangent angles up to about two radians.
+pub fn half_nodes(harmonics: usize) -> usize {
+    // e^{iψ} of a ψ with |ψ| ≤ 2 has Bessel-like spectrum: 24 modes of the first harmonic reach 1e-16, eight nodes per further harmonic keep it so.
+    24.max(8 * harmonics)
+}
+
+impl RuledShell {
+    /// `half` intervals in half a fold, `slices` nodes along the slant.
+    pub fn new(skirt: &Skirt, weight: f64, rigidity: f64, folds: u32, harmonics: usize, half: usize, slices: usize) -> Self {
+        let (m, count) = (f64::from(folds), half + 1);
+        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
+        let sines = DMatrix::from_fn(count, harmonics, |n, k| table[n * (k + 1) % (2 * half)].0);
+        let slopes = DMatrix::from_fn(count, harmonics, |n, k| m * (k + 1) as f64 * table[n * (k + 1) % (2 * half)].1);
+        let end = |n: usize| n == 0 || n == half;
+        let weights = (0..count).map(|n| TAU / (2 * half) as f64 * if end(n) { 1.0 } else { 2.0 }).collect();
+        RuledShell {
+            folds,
+            waist: skirt.waist_radius().0,
+            hem: skirt.hem_radius().0,
+            gravity: Gravity::new(skirt, weight),
+            bending: Bending::new(skirt, rigidity, slices),
+            weights,
+            sines,
+            slopes,
+            kernel: kernel(skirt.hem_radius().0, m, half, &table),
+        }
+    }
+
+    pub fn folds(&self) -> u32 {
+        self.folds
+    }
+
+    /// Gravity and bending of the hem with coefficients `a`; `None` where a generatrix does not reach it.
+    pub fn budget(&self, a: &DVector<f64>) -> Option<Budget> {
+        let (psi, slope) = (&self.sines * a, &self.slopes * a);
+        let hem = self.position(&psi);
+        let count = psi.len();
+        let mut budget = Budget { gravity: 0.0, bending: 0.0 };
+        for n in 0..count {
+            let (x, y) = (hem[n] - self.waist, hem[count + n]);
+            budget.gravity += self.weights[n] * self.gravity.density(x * x + y * y)?.value;
+            let (constant, quadratic) = self.bending.by_cos(psi[n].cos(), self.hem);
+            budget.bending += self.weights[n] * (constant[0] + quadratic[0] * slope[n] * slope[n]);
+        }
+        Some(budget)
+    }
+
+    /// (Re h, Im h) at the nodes, stacked, m.
+    fn position(&self, psi: &DVector<f64>) -> DVector<f64> {
+        let count = psi.len();
+        &self.kernel * DVector::from_fn(2 * count, |i, _| if i < count { psi[i].cos() } else { psi[i - count].sin() })
+    }
+
+    /// The curve with coefficients `a`, for evaluation anywhere.
+    pub fn curve(&self, a: &DVector<f64>) -> TangentHem {
+        let psi = &self.sines * a;
+        let half = psi.len() - 1;
+        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
+        let m = f64::from(self.folds);
+        let modes = (0..half).map(|j| {
+            // w_{±j} = C_j ± S_j: e^{iψ} has an even real and an odd imaginary part, so its coefficients are real.
+            let (mut even, mut odd) = (0.0, 0.0);
+            for n in 0..=half {
+                let (sin, cos) = table[n * j % (2 * half)];
+                even += self.weights[n] * psi[n].cos() * cos;
+                odd += self.weights[n] * psi[n].sin() * sin;
+            }
+            let (even, odd, jm) = (even / TAU, odd / TAU, m * j as f64);
+            if j == 0 { (self.hem * even, 0.0) } else { (self.hem * (even + odd) / (1.0 + jm), self.hem * (even - odd) / (1.0 - jm)) }
+        });
+        TangentHem { folds: self.folds, hem: self.hem, coefficients: a.iter().copied().collect(), modes: modes.collect() }
+    }
+}
+
+impl Smooth for RuledShell {
+    /// Energy (J), gradient and Hessian by a_1 … a_K.
+    fn expand(&self, a: &DVector<f64>) -> Option<Expansion> {
+        let (psi, slope) = (&self.sines * a, &self.slopes * a);
+        let (count, harmonics) = (psi.len(), a.len());
+        // Column 0: e^{iψ}; column k: its derivative i sin kφ e^{iψ}.
+        let source = DMatrix::from_fn(2 * count, 1 + harmonics, |i, k| {
+            let n = if i < count { i } else { i - count };
+            let (sin, cos) = psi[n].sin_cos();
+            match (i < count, k) {
+                (true, 0) => cos,
+                (false, 0) => sin,
+                (true, _) => -self.sines[(n, k - 1)] * sin,
+                (false, _) => self.sines[(n, k - 1)] * cos,
+            }
+        });
+        let image = &self.kernel * &source;
+        let tangent = image.columns(1, harmonics);
+        let mut value = 0.0;
+        let mut force = DVector::zeros(2 * count);
+        // Rows of the Gauss–Newton part: stiffness applied to the tangents.
+        let mut loaded = DMatrix::zeros(2 * count, harmonics);
+        let mut by_psi = DVector::zeros(count);
+        let mut by_slope = DVector::zeros(count);
+        let mut second = DMatrix::<f64>::zeros(count, 3);
+        for n in 0..count {
+            let (x, y) = (image[(n, 0)] - self.waist, image[(count + n, 0)]);
+            let rise = self.gravity.density(x * x + y * y)?;
+            let w = self.weights[n];
+            let (first, twist) = (2.0 * w * rise.first, 4.0 * w * rise.second);
+            value += w * rise.value;
+            force[n] = first * x;
+            force[count + n] = first * y;
+            for k in 0..harmonics {
+                let (tx, ty) = (tangent[(n, k)], tangent[(count + n, k)]);
+                let along = twist * (x * tx + y * ty);
+                loaded[(n, k)] = first * tx + along * x;
+                loaded[(count + n, k)] = first * ty + along * y;
+            }
+            let (sin, cos) = psi[n].sin_cos();
+            let (constant, quadratic) = self.bending.by_cos(cos, self.hem);
+            // From derivatives by cos ψ to derivatives by ψ.
+            let by_angle = |b: &[f64; 3]| (-sin * b[1], sin * sin * b[2] - cos * b[1]);
+            let ((c1, c2), (q1, q2)) = (by_angle(&constant), by_angle(&quadratic));
+            let s = slope[n];
+            value += w * (constant[0] + quadratic[0] * s * s);
+            by_psi[n] = w * (c1 + q1 * s * s);
+            by_slope[n] = 2.0 * w * quadratic[0] * s;
+            second[(n, 0)] = w * (c2 + q2 * s * s);
+            second[(n, 1)] = 2.0 * w * q1 * s;
+            second[(n, 2)] = 2.0 * w * quadratic[0];
+        }
+        // What the second derivative of e^{iψ}, −sin kφ sin lφ e^{iψ}, contributes: the adjoint of the kernel brings the force back to the nodes.
+        let adjoint = self.kernel.tr_mul(&force);
+        for n in 0..count {
+            second[(n, 0)] -= source[(n, 0)] * adjoint[n] + source[(count + n, 0)] * adjoint[count + n];
+        }
+        let gradient = tangent.tr_mul(&force) + self.sines.tr_mul(&by_psi) + self.slopes.tr_mul(&by_slope);
+        let mixed_s = DMatrix::from_fn(count, harmonics, |n, k| second[(n, 0)] * self.sines[(n, k)] + second[(n, 1)] * self.slopes[(n, k)]);
+        let mixed_c = DMatrix::from_fn(count, harmonics, |n, k| second[(n, 1)] * self.sines[(n, k)] + second[(n, 2)] * self.slopes[(n, k)]);
+        let hessian = tangent.tr_mul(&loaded) + self.sines.tr_mul(&mixed_s) + self.slopes.tr_mul(&mixed_c);
+        Some(Expansion { value, gradient, hessian })
+    }
+}
+
+/// The discrete map from (cos ψ, sin ψ) on the half period to (Re h, Im h): division by 1 + jm in Fourier space, folded by symmetry.
+pub(super) fn kernel(hem: f64, m: f64, half: usize, table: &[(f64, f64)]) -> DMatrix<f64> {
+    let period = 2 * half;
+    // T(δ) = (1/N) Σ_j e^{ijδ}/(1 + jm) on the grid of shifts; the highest mode is shared between +half and −half.
+    let shifts: Vec<(f64, f64)> = (0..period)
+        .map(|n| {
+            let (mut real, mut imaginary) = (1.0, 0.0);
+            for j in 1..=half {
+                let jm = m * j as f64;
+                let share = if j == half { 0.5 } else { 1.0 } * 2.0 / (1.0 - jm * jm);
+                let (sin, cos) = table[n * j % period];
+                real += share * cos;
+                imaginary -= share * jm * sin;
+            }
+            (hem * real / period as f64, hem * imaginary / period as f64)
+        })
+        .collect();
+    let count = half + 1;
+    let mut kernel = DMatrix::zeros(2 * count, 2 * count);
+    for l in 0..count {
+        for n in 0..count {
+            let (minus, plus) = (shifts[(n + period - l) % period], shifts[(n + l) % period]);
+            let alone = l == 0 || l == half;
+            let mirrored = if alone { (0.0, 0.0) } else { plus };
+            kernel[(n, l)] = minus.0 + mirrored.0;
+            kernel[(count + n, l)] = minus.1 + mirrored.1;
+            if !alone {
+                kernel[(n, count + l)] = -minus.1 + plus.1;
+                kernel[(count + n, count + l)] = minus.0 - plus.0;
+            }
+        }
+    }
+    kernel
+}
+
+/// One curve of the family, to be evaluated at any material angle.
+#[derive(Debug, Clone)]
+pub struct TangentHem {
+    folds: u32,
+    hem: f64,
+    coefficients: Vec<f64>,
+    /// h = Σ_j (modes_j.0 e^{ijφ} + modes_j.1 e^{−ijφ}).
+    modes: Vec<(f64, f64)>,
+}
+
+impl TangentHem {
+    /// h(φ) and dh/dφ at φ = mσ, m.
+    fn turning(&self, phi: f64) -> ((f64, f64), (f64, f64)) {
+        let (mut x, mut y) = (0.0, 0.0);
+        for (j, (plus, minus)) in self.modes.iter().enumerate() {
+            let (sin, cos) = (j as f64 * phi).sin_cos();
+            x += (plus + minus) * cos;
+            y += (plus - minus) * sin;
+        }
+        let psi: f64 = self.coefficients.iter().enumerate().map(|(k, a)| a * ((k + 1) as f64 * phi).sin()).sum();
+        let m = f64::from(self.folds);
+        let (sin, cos) = psi.sin_cos();
+        // From h − i m dh/dφ = R_n e^{iψ}.
+        ((x, y), (-(self.hem * sin - y) / m, (self.hem * cos - x) / m))
+    }
+
+    /// `n` points round the hem, equally spaced in cloth length, the first on a crest on the x axis, counter-clockwise, m.
+    pub fn outline(&self, n: usize) -> Vec<Point> {
+        let m = f64::from(self.folds);
+        let place = |i: usize| {
+            let sigma = TAU * i as f64 / n as f64;
+            let ((x, y), _) = self.turning(m * sigma);
+            let (sin, cos) = sigma.sin_cos();
+            Point::new(x * cos - y * sin, x * sin + y * cos)
+        };
+        (0..n).map(place).collect()
+    }
+
+    /// Least and greatest distance of the hem from the axis, m.
+    pub fn radius_range(&self) -> (f64, f64) {
+        const CELLS: usize = 64;
+        let at = |phi: f64| {
+            let ((x, y), (dx, dy)) = self.turning(phi);
+            (x.hypot(y), x * dx + y * dy)
+        };
+        // The crest and the valley are extrema by symmetry; others show as sign changes of the slope between them.
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        let mut see = |r: f64| (low, high) = (low.min(r), high.max(r));
+        see(at(0.0).0);
+        see(at(PI).0);
+        let edges: Vec<(f64, f64)> = (0..=CELLS).map(|i| PI * i as f64 / CELLS as f64).map(|phi| (phi, at(phi).1)).collect();
+        for pair in edges[1..CELLS].windows(2) {
+            let ((mut a, sa), (mut b, sb)) = (pair[0], pair[1]);
+            if sa * sb < 0.0 {
+                for _ in 0..52 {
+                    let middle = 0.5 * (a + b);
+                    if sa * at(middle).1 < 0.0 { b = middle } else { a = middle }
+                }
+                see(at(0.5 * (a + b)).0);
+            }
+        }
+        (low, high)
+    }
+
+    /// a_1 … a_K.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Metre;
+
+    fn shell(folds: u32, harmonics: usize) -> RuledShell {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        RuledShell::new(&skirt, 1.962, 1e-5, folds, harmonics, half_nodes(harmonics), Bending::NODES)
+    }
+
+    #[test]
+    fn gradient_and_hessian_agree_with_central_differences() {
+        let shell = shell(5, 4);
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let exact = shell.expand(&a).unwrap();
+        assert!((exact.value - shell.budget(&a).unwrap().total()).abs() < 1e-15);
+        let h = 1e-5;
+        for k in 0..4 {
+            let step = DVector::from_fn(4, |i, _| if i == k { h } else { 0.0 });
+            let (up, down) = (shell.expand(&(&a + &step)).unwrap(), shell.expand(&(&a - &step)).unwrap());
+            // Rounding eps·U/h ~ 5e-14; truncation h²U‴/6 ~ 1e-12 at U of a few mJ.
+            assert!((exact.gradient[k] - (up.value - down.value) / (2.0 * h)).abs() < 1e-11);
+            let column = (up.gradient - down.gradient) / (2.0 * h);
+            assert!((exact.hessian.column(k) - column).amax() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn hem_has_the_cloth_s_own_length_everywhere() {
+        let curve = shell(5, 4).curve(&DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]));
+        let n = 20_000;
+        let points = curve.outline(n);
+        for i in 0..n {
+            let chord = points[i].distance(points[(i + 1) % n]) * n as f64 / TAU;
+            // A chord is shorter than its arc by (arc·κ)²/24 ~ 1e-8; this includes the closing one.
+            assert!((chord - 0.2362).abs() < 1e-7, "{i}: {chord}");
+        }
+    }
+
+    #[test]
+    fn velocity_identity_agrees_with_differences_of_the_series() {
+        let curve = shell(3, 2).curve(&DVector::from_vec(vec![1.0, 0.2]));
+        for i in 0..40 {
+            let (phi, h) = (0.17 * f64::from(i), 1e-5);
+            let (_, exact) = curve.turning(phi);
+            let (up, down) = (curve.turning(phi + h).0, curve.turning(phi - h).0);
+            // Rounding eps·R/h ~ 1e-11, truncation h²h‴/6 ~ 1e-11.
+            assert!((exact.0 - (up.0 - down.0) / (2.0 * h)).abs() < 1e-9 && (exact.1 - (up.1 - down.1) / (2.0 * h)).abs() < 1e-9);
+        }
+    }
+}
