@@ -711,3 +711,54 @@ mod pictures {
         }
     }
 }
+
+#[test]
+fn damaged_files_are_refused_or_set_aside_and_never_a_panic() {
+    use rand::{RngExt, SeedableRng};
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+    let encoded = |format| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        silhouette(&HEM, 64, 0.5, false).write_to(&mut bytes, format).expect("encodes");
+        bytes.into_inner()
+    };
+    let pictures = [("a.png", encoded(::image::ImageFormat::Png)), ("a.jpg", encoded(::image::ImageFormat::Jpeg))];
+    let text = table_of(&HEM.outline(&Placement::ORIGIN, 30)).into_bytes();
+    let sound = campaign(|_, _| ());
+    let read = |name: &str| fs::read(sound.path().join(name)).expect("written");
+    let (toml, design) = (read("campaign.toml"), read("design.csv"));
+    let folder = TempDir::new().expect("a folder");
+    // Bytes that mean something to the readers are likelier than others.
+    let telling = b"\"\n\r,;\t#-.e=[]{}\0\xff\xef 09";
+    for _ in 0..400 {
+        let mut damage = |bytes: &[u8]| {
+            let mut bytes = bytes.to_vec();
+            for _ in 0..random.random_range(1..6) {
+                let at = random.random_range(0..bytes.len());
+                match random.random_range(0..4) {
+                    0 => bytes[at] = random.random(),
+                    1 => bytes[at] = telling[random.random_range(0..telling.len())],
+                    2 => bytes.insert(at, telling[random.random_range(0..telling.len())]),
+                    _ => bytes.truncate(at.max(1)),
+                }
+            }
+            bytes
+        };
+        for (name, bytes) in &pictures {
+            let file = write(&folder, name, damage(bytes));
+            let _ = image::outline(&file, &Pictures { pixel: Metre(1e-3), object: Shade::Auto });
+        }
+        let _ = table::profiles(&write(&folder, "a.csv", damage(&text)));
+        write(&sound, "campaign.toml", if random.random() { damage_once(&toml, &mut random) } else { toml.clone() });
+        write(&sound, "design.csv", damage_once(&design, &mut random));
+        let _ = import::load(sound.path());
+    }
+}
+
+/// One random byte changed.
+fn damage_once(bytes: &[u8], random: &mut rand_chacha::ChaCha8Rng) -> Vec<u8> {
+    use rand::RngExt;
+    let mut bytes = bytes.to_vec();
+    let at = random.random_range(0..bytes.len());
+    bytes[at] = random.random();
+    bytes
+}

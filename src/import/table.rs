@@ -186,7 +186,12 @@ impl Coordinates {
     fn find(path: &Path, table: &Delimited) -> Result<Self, Error> {
         let header = &table.header;
         let refuse = |problem: String, remedy: &str| Error::input(Place::file(path).row(table.header_line), problem, remedy);
-        let there = || header.iter().map(|name| format!("“{name}”")).collect::<Vec<_>>().join(", ");
+        let there = || {
+            // A file that is no table has a first line of prose.
+            const MOST: usize = 12;
+            let names: Vec<String> = header.iter().take(MOST).map(|name| format!("“{}”", shortened(name))).collect();
+            names.join(", ") + if MOST < header.len() { ", …" } else { "" }
+        };
         let mut found: Vec<(usize, String)> = Vec::new();
         for axis in ["x", "y"] {
             let columns: Vec<(usize, Option<String>)> =
