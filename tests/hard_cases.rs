@@ -62,7 +62,8 @@ fn plain_fit(profile: &DrapeProfile) -> (Hem, f64) {
     let mean = polar.iter().map(|(_, r)| r).sum::<f64>() / n;
     let fits = (3..=9).map(|folds| {
         let m = f64::from(folds);
-        let (re, im) = polar.iter().fold((0.0, 0.0), |(re, im), (a, r)| (re + 2.0 / n * r * (m * a).cos(), im + 2.0 / n * r * (m * a).sin()));
+        let (re, im) =
+            polar.iter().fold((0.0, 0.0), |(re, im), (a, r)| (re + 2.0 / n * r * (m * a).cos(), im + 2.0 / n * r * (m * a).sin()));
         let phase = im.atan2(re) / m;
         let hem = Hem { p: mean, q: re.hypot(im), s: 0.0, folds };
         let feet = polar.iter().map(|(a, _)| a - phase).collect();

@@ -22,11 +22,13 @@ use crate::units::{MILLIMETRE, Metre};
 /// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile`. A picture is a silhouette, dark on
 /// light or light on dark, and needs --scale-mm-per-px.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
+#[command(
+    after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
 hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n\n\
 Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
 (compare rms_mm and explained_share) they are too small.\n\n\
-Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read.")]
+Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
+)]
 pub struct Fit {
     /// Tables (.csv, .tsv, .txt) or silhouettes (.png, .jpg).
     #[arg(required = true, value_name = "FILE")]
@@ -76,10 +78,13 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         profiles.par_iter().map(|(_, profile)| fit::fit(profile, &options).map_err(|e| e.to_string())).collect();
     // Without cloth and cut there is no λ; the table says so in its own column.
     let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
-    let rows = profiles
-        .iter()
-        .zip(&results)
-        .map(|((name, profile), fit)| FitRow { run: name, profile: Some(profile), fit, lambda: &lambda, study: None });
+    let rows = profiles.iter().zip(&results).map(|((name, profile), fit)| FitRow {
+        run: name,
+        profile: Some(profile),
+        fit,
+        lambda: &lambda,
+        study: None,
+    });
     let table = fits(rows);
     let stdout = &mut std::io::stdout().lock();
     let written = if args.json { table.write_json(stdout) } else { table.write(stdout) };

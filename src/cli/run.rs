@@ -119,7 +119,8 @@ fn summary(study: &CampaignStudy, out: &Path, files: usize) -> String {
     };
     let millimetres = |metres: f64| fixed(metres / MILLIMETRE, 1);
     say(format!("Runs      {} of {} fitted", seen.fitted, seen.runs));
-    let counts: Vec<String> = seen.folds.iter().map(|(m, n)| if *m == 0 { format!("round: {n}") } else { format!("{m} folds: {n}") }).collect();
+    let counts: Vec<String> =
+        seen.folds.iter().map(|(m, n)| if *m == 0 { format!("round: {n}") } else { format!("{m} folds: {n}") }).collect();
     if !counts.is_empty() {
         say(format!("Folds     {}", counts.join(", ")));
     }
@@ -186,7 +187,8 @@ fn effects(analysis: &Analysis) -> String {
         .map(|c| (c.t.map_or(0.0, f64::abs), format!("{}{}", if c.estimate < 0.0 { "−" } else { "+" }, c.term)))
         .collect();
     terms.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut said = if terms.is_empty() { "no effect".to_string() } else { terms.into_iter().map(|(_, term)| term).collect::<Vec<_>>().join(", ") };
+    let mut said =
+        if terms.is_empty() { "no effect".to_string() } else { terms.into_iter().map(|(_, term)| term).collect::<Vec<_>>().join(", ") };
     if analysis.equal_variances.as_ref().is_some_and(|v| !v.holds) {
         said.push_str("; cells differ in scatter");
     }
