@@ -158,12 +158,12 @@ pub fn place(prediction: &Prediction, placement: &Placement) -> Vec<Point> {
 }
 
 fn caption(n: usize, fit: Option<&HemFit>, study: &RunStudy) -> String {
-    use crate::report::number::{fixed, significant};
+    use crate::report::number::{fixed, to_error};
     let Some(fit) = fit else { return format!("n = {n} · no fit") };
     let folds = fit.folds.map_or_else(|| "no folds".into(), |m| format!("m = {m}"));
     let lambda = match (&study.lambda.first_integral, &study.lambda.over_weight) {
-        (Some((estimate, r2)), _) => format!(" · λ = {} N/m² (R² {})", significant(estimate.value, 3), fixed(*r2, 2)),
-        (None, Some((estimate, r2))) => format!(" · λ/(ρg) = {} (R² {})", significant(estimate.value, 3), fixed(*r2, 2)),
+        (Some((estimate, r2)), _) => format!(" · λ = {} N/m² (R² {})", to_error(estimate.value, estimate.standard_error), fixed(*r2, 2)),
+        (None, Some((estimate, r2))) => format!(" · λ/(ρg) = {} (R² {})", to_error(estimate.value, estimate.standard_error), fixed(*r2, 2)),
         (None, None) => String::new(),
     };
     format!("n = {n} · {folds} · rms {} mm{lambda}", fixed(fit.rms / MILLIMETRE, 2))
