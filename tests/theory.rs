@@ -3,6 +3,7 @@
 use hemline::experiment::{Fabric, Skirt};
 use hemline::simulate::ruled::threshold_rigidity;
 use hemline::simulate::{Fidelity, Folds, Options, Prediction, Termination, predict};
+use hemline::simulate::{ansatz, polar};
 use hemline::units::{KilogramPerSquareMetre, Metre, NewtonMetre};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -168,4 +169,83 @@ fn every_scene_of_a_wide_sweep_ends_in_an_answer() {
         }
     }
     println!("most evaluations: {} in {}", worst.0, worst.1);
+}
+
+#[test]
+fn polar_equation_agrees_with_the_reference_to_ten_digits() {
+    // Birthplace: scripts/polar_reference.py (mpmath, 30 digits): R_t 0.121, L 0.53 m; m, R, ρ_A g, E → r_1, r_2, λ, C.
+    for (m, hem, foundation, inner, outer, lambda, constant) in [
+        (5, 0.1452, 0.0, 0.1072223833, 0.1472115494, 0.0230324898, -0.0021181880),
+        (8, 0.1452, 0.0, 0.1100043109, 0.1369292867, 0.0091348562, -0.0007810608),
+        (5, 0.1452, 20.0, 0.1072242665, 0.1472099957, 0.1473757200, -0.0135532307),
+        (8, 0.2362, 0.0, 0.0922562759, 0.1602755902, 0.0195351195, -0.0002718587),
+    ] {
+        let options = Options { fidelity: Fidelity::Polar { foundation }, folds: Folds::Exactly(m), gravity: 9.81 };
+        let solution = predict(&skirt(hem), &fabric(0.2, 1e-5), &options).unwrap();
+        let turning = solution.turning.unwrap();
+        // Half a unit of the last digit there.
+        close(turning.inner, inner, 0.51e-10, "inner");
+        close(turning.outer, outer, 0.51e-10, "outer");
+        close(turning.lambda, lambda, 0.51e-10, "lambda");
+        close(turning.constant, constant, 0.51e-10, "constant");
+        assert_eq!(solution.multiplier.unwrap().unit, "N/m²");
+        println!("m = {m}: {} evaluations", solution.evaluations);
+    }
+}
+
+#[test]
+fn polar_folds_start_at_the_onset_and_end_at_the_limit() {
+    // Birthplace as above.
+    for (m, ratio) in [(4, 2.46026792), (5, 2.35750915), (8, 2.25256699)] {
+        let range = polar::range(&skirt(0.2362), 1.962, 0.0, m).unwrap();
+        close(range.limit.unwrap() / 0.121, ratio, 0.51e-8, "limit");
+        // Quadratic G: R_t m²/(m² − 1); the slant of 0.53 m stiffens it by (R − R_t)²/2L² ~ 1e-5.
+        let square = f64::from(m * m);
+        close(range.onset, 0.121 * square / (square - 1.0), 2e-5 * 0.121, "onset");
+        let at = |hem: f64| {
+            let options = Options { fidelity: Fidelity::Polar { foundation: 0.0 }, folds: Folds::Exactly(m), gravity: 9.81 };
+            predict(&skirt(hem), &fabric(0.2, 1e-5), &options).unwrap()
+        };
+        assert_eq!(at(range.onset * (1.0 - 1e-6)).termination, Termination::Round);
+        let just = at(range.onset * (1.0 + 1e-6));
+        assert_eq!(just.folds, m);
+        assert!(just.depth() < 0.01 && 0.0 < just.depth());
+        assert!(at(range.limit.unwrap() * (1.0 - 1e-6)).turning.unwrap().constant < 0.0);
+        let past = at(range.limit.unwrap() * (1.0 + 1e-6));
+        assert!(0.0 < past.turning.unwrap().constant);
+        assert!(past.notes.iter().any(|n| n.contains("overhangs")));
+    }
+}
+
+#[test]
+fn paper_s_equation_cannot_choose_the_fold_count() {
+    let options = Options { fidelity: Fidelity::Polar { foundation: 0.0 }, ..Options::default() };
+    assert!(predict(&skirt(0.2362), &fabric(0.2, 1e-5), &options).unwrap_err().to_string().contains("cannot choose"));
+    // Its functional falls with every fold, by the Ritz solution as by the equation.
+    let ritz: Vec<f64> = (3..12).map(|m| ansatz::paper(&skirt(0.2362), 1.962, 0.0, m, false).unwrap().functional).collect();
+    assert!(ritz.windows(2).all(|pair| pair[1] < pair[0]), "{ritz:?}");
+}
+
+#[test]
+fn ansatz_agrees_with_the_reference_to_seven_digits() {
+    // Birthplace: docs/model.md, section 5: Newton on ∇U = λ∇Λ, Λ = 2πR_n, in extended precision.
+    for (m, rigidity, p, q, s, lambda, energy) in [
+        (5, 1e-5, 0.13152467, 0.05267570, 0.00873147, 0.0019692184, 0.0021919849),
+        (7, 2e-6, 0.12459092, 0.03867800, 0.00632280, 0.00089491739, 0.0009489347),
+    ] {
+        let options = Options { fidelity: Fidelity::Ansatz, folds: Folds::Exactly(m), gravity: 9.81 };
+        let solution = predict(&skirt(0.2362), &fabric(0.2, rigidity), &options).unwrap();
+        let hem = solution.hem.unwrap();
+        assert_eq!((solution.folds, solution.termination), (m, Termination::Converged));
+        // Half a unit of the last digit there.
+        close(hem.p, p, 0.6e-8, "p");
+        close(hem.q, q, 0.6e-8, "q");
+        close(hem.s, s, 0.6e-8, "s");
+        close(solution.multiplier.unwrap().value, lambda, 0.6e-10, "lambda");
+        close(solution.energy, energy, 0.6e-10, "energy");
+        println!("m = {m}: {} evaluations", solution.evaluations);
+        let auto = predict(&skirt(0.2362), &fabric(0.2, rigidity), &Options { folds: Folds::Auto, ..options }).unwrap();
+        assert_eq!(auto.folds, m);
+        assert!(auto.branches.iter().all(|b| auto.energy <= b.energy));
+    }
 }

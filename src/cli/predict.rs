@@ -2,12 +2,12 @@
 
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use crate::error::Error;
 use crate::experiment::{Fabric, Skirt};
-use crate::simulate::{Fidelity, Folds, Options, Prediction, Termination, predict};
+use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, predict};
 use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 
 /// Predict how a conic skirt hangs, from its cut and its cloth; nothing is fitted.
@@ -37,6 +37,12 @@ pub struct Predict {
     /// Fold count: `auto` for the one of least energy, or a number from 2
     #[arg(long, default_value = "auto", value_name = "auto|M", value_parser = folds)]
     folds: Folds,
+    /// Theory: the exact ruled shell, the paper's curve p, q, s in the same energy, or the paper's equation (4)
+    #[arg(long, value_enum, default_value_t = Method::Ruled)]
+    fidelity: Method,
+    /// Foundation modulus E of the paper's functional, N/m³; equation (4) only
+    #[arg(long, default_value_t = 0.0, value_name = "E")]
+    foundation_n_m3: f64,
     /// Harmonics of the hem's tangent angle, 1 to 32; eight are right to hundredths of a millimetre
     #[arg(long, default_value_t = 8, value_name = "K")]
     harmonics: usize,
@@ -46,6 +52,14 @@ pub struct Predict {
     /// Print one JSON object (SI units)
     #[arg(long)]
     json: bool,
+}
+
+/// The theories by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    Polar,
+    Ansatz,
+    Ruled,
 }
 
 fn folds(text: &str) -> Result<Folds, String> {
@@ -77,28 +91,54 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
         areal_density: Some(KilogramPerSquareMetre(args.areal_density_g_m2 * units::GRAM_PER_SQUARE_METRE)),
         flexural_rigidity: Some(NewtonMetre(args.rigidity_un_m * units::MICRONEWTON_METRE)),
     };
-    predict(
-        &skirt,
-        &fabric,
-        &Options { fidelity: Fidelity::Ruled { harmonics: args.harmonics }, folds: args.folds, gravity: args.gravity_m_s2 },
-    )
+    let fidelity = match args.fidelity {
+        Method::Polar => Fidelity::Polar { foundation: args.foundation_n_m3 },
+        Method::Ansatz => Fidelity::Ansatz,
+        Method::Ruled => Fidelity::Ruled { harmonics: args.harmonics },
+    };
+    predict(&skirt, &fabric, &Options { fidelity, folds: args.folds, gravity: args.gravity_m_s2 })
 }
 
-/// The prediction as one JSON object; a term that is not in has no key.
+/// The prediction as one JSON object; what a fidelity does not have has no key.
 fn to_json(prediction: &Prediction) -> Value {
     let mut out = Map::new();
     out.insert("fidelity".into(), json!(prediction.fidelity));
     out.insert("folds".into(), json!(prediction.folds));
-    out.insert("energy_j".into(), json!(prediction.energy));
+    let unit = if prediction.energy_unit == "J" { "j" } else { "n_m" };
+    let total = if prediction.energy_unit == "J" { "energy" } else { "total" };
+    out.insert(format!("{total}_{unit}"), json!(prediction.energy));
     for term in &prediction.terms {
-        out.insert(format!("{}_j", term.term), json!(term.energy));
+        out.insert(format!("{}_{unit}", term.term), json!(term.energy));
+    }
+    if let Some(hem) = &prediction.hem {
+        out.extend([("p_m", hem.p), ("q_m", hem.q), ("s_m", hem.s)].map(|(key, value)| (key.to_string(), json!(value))));
+    }
+    if let Some(multiplier) = &prediction.multiplier {
+        out.insert("lambda".into(), json!(multiplier.value));
+        out.insert("lambda_unit".into(), json!(multiplier.unit));
+    }
+    if let Some(turning) = &prediction.turning {
+        out.insert("turning_radius_inner_m".into(), json!(turning.inner));
+        out.insert("turning_radius_outer_m".into(), json!(turning.outer));
+        out.insert("constant_n_m".into(), json!(turning.constant));
     }
     out.insert("hem_radius_min_m".into(), json!(prediction.hem_radius_min));
     out.insert("hem_radius_max_m".into(), json!(prediction.hem_radius_max));
     out.insert("coefficients".into(), json!(prediction.coefficients));
     out.insert("termination".into(), json!(prediction.termination));
     out.insert("evaluations".into(), json!(prediction.evaluations));
-    out.insert("branches".into(), json!(prediction.branches));
+    let branch = |b: &Branch| {
+        json!({
+            "asked": b.asked,
+            "folds": b.folds,
+            "harmonics": b.harmonics,
+            (format!("{total}_{unit}")): b.energy,
+            "depth_m": b.depth,
+            "lowest_curvature": b.lowest_curvature,
+            "termination": b.termination,
+        })
+    };
+    out.insert("branches".into(), prediction.branches.iter().map(branch).collect());
     out.insert("notes".into(), json!(prediction.notes));
     Value::Object(out)
 }
@@ -116,9 +156,19 @@ fn to_text(prediction: &Prediction) -> String {
         millimetres(prediction.hem_radius_max),
         millimetres(prediction.depth())
     );
-    out += &format!("energy       {:.4} mJ\n", millijoules(prediction.energy));
-    for term in &prediction.terms {
-        out += &format!("  {:<10} {:.4} mJ\n", term.term, millijoules(term.energy));
+    if prediction.energy_unit == "J" {
+        out += &format!("energy       {:.4} mJ\n", millijoules(prediction.energy));
+        for term in &prediction.terms {
+            out += &format!("  {:<10} {:.4} mJ\n", term.term, millijoules(term.energy));
+        }
+    } else {
+        out += &format!("functional   {:.6} {}\n", prediction.energy, prediction.energy_unit);
+    }
+    if let Some(hem) = &prediction.hem {
+        out += &format!("p, q, s      {:.2}, {:.2}, {:.2} mm\n", millimetres(hem.p), millimetres(hem.q), millimetres(hem.s));
+    }
+    if let Some(multiplier) = &prediction.multiplier {
+        out += &format!("lambda       {:.6} {}\n", multiplier.value, multiplier.unit);
     }
     out += &format!("method       {}, {} evaluations\n", prediction.fidelity, prediction.evaluations);
     let mut others: Vec<_> = prediction.branches.iter().filter(|b| b.folds == b.asked && b.folds != prediction.folds).collect();
@@ -172,6 +222,18 @@ mod tests {
         let prediction = prediction(&args).unwrap();
         assert_eq!(to_json(&prediction)["termination"], "round");
         assert!(to_text(&prediction).starts_with("no folds"));
+    }
+
+    #[test]
+    fn every_fidelity_answers_in_its_own_keys() {
+        let of =
+            |name: &str| to_json(&prediction(&parse(&["--rigidity-un-m", "10", "--folds", "5", "--fidelity", name]).unwrap()).unwrap());
+        let polar = of("polar");
+        assert!(polar["turning_radius_inner_m"].as_f64().unwrap() < polar["turning_radius_outer_m"].as_f64().unwrap());
+        assert_eq!((polar["lambda_unit"].as_str(), polar.get("energy_j")), (Some("N/m²"), None));
+        let ansatz = of("ansatz");
+        assert!((ansatz["p_m"].as_f64().unwrap() - 0.13152467).abs() < 1e-8 && ansatz["lambda_unit"] == "N");
+        assert!(of("ruled").get("p_m").is_none());
     }
 
     #[test]

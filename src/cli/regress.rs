@@ -44,13 +44,29 @@ pub struct Regress {
 /// # Errors
 /// Those of the table, of [`FactorialDesign::new`] and of [`analyse`].
 pub fn run(args: &Regress) -> Result<ExitCode, Error> {
-    let table = NumberTable::read(&args.table)?;
-    let observed = observe(&table, args)?;
-    for sentence in &observed.set_aside {
+    let document = regress(args)?;
+    for sentence in &document.set_aside {
         eprintln!("{sentence}");
     }
+    if args.json {
+        let text = serde_json::to_string_pretty(&document)
+            .map_err(|why| Error::Output { what: "the JSON result".into(), why: why.to_string() })?;
+        println!("{text}");
+    } else {
+        print!("{}", table_of(&document));
+    }
+    Ok(if document.set_aside.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn regress(args: &Regress) -> Result<Document, Error> {
+    let table = NumberTable::read(&args.table)?;
+    let observed = observe(&table, args)?;
     if observed.natural.is_empty() {
-        return Err(Error::Unanswerable(format!("{}: no line has all factors and a response to regress", args.table.display())));
+        let mut why = format!("{}: no line has all factors and a response to regress", args.table.display());
+        if let Some(first) = observed.set_aside.first() {
+            why = format!("{why}; the first fault: {first}");
+        }
+        return Err(Error::Unanswerable(why));
     }
     let mut notes = Vec::new();
     let axes: Vec<Axis> = args.factors.iter().enumerate().map(|(i, name)| axis(name, observed.column(i), &mut notes)).collect();
@@ -64,15 +80,7 @@ pub fn run(args: &Regress) -> Result<ExitCode, Error> {
     family::adjust(std::slice::from_mut(&mut analysis));
     notes.append(&mut analysis.notes);
     analysis.notes = notes;
-    let document = Document::new(args, &design, &analysis, &observed.set_aside);
-    if args.json {
-        let text = serde_json::to_string_pretty(&document)
-            .map_err(|why| Error::Output { what: "the JSON result".into(), why: why.to_string() })?;
-        println!("{text}");
-    } else {
-        print!("{}", table_of(&document));
-    }
-    Ok(if observed.set_aside.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(Document::new(args, &design, &analysis, observed.set_aside))
 }
 
 /// The usable lines.
@@ -220,7 +228,7 @@ struct Document {
 }
 
 impl Document {
-    fn new(args: &Regress, design: &FactorialDesign, analysis: &Analysis, set_aside: &[String]) -> Self {
+    fn new(args: &Regress, design: &FactorialDesign, analysis: &Analysis, set_aside: Vec<String>) -> Self {
         // Every term of the model is listed, in its place; one without a coefficient of its own has nulls.
         let terms = design
             .term_factors()
@@ -268,7 +276,7 @@ impl Document {
             predicted_r_squared: analysis.full.predicted_r_squared(),
             press: analysis.full.press(),
             notes: analysis.notes.clone(),
-            set_aside: set_aside.to_vec(),
+            set_aside,
         }
     }
 }
@@ -299,14 +307,11 @@ fn table_of(document: &Document) -> String {
     }
     lines.push(format!("* significant at {}; error on {} degrees of freedom", document.alpha, document.residual_df));
     lines.push(String::new());
-    for (question, verdict) in [("Do all treatments scatter alike?", &document.equal_variances)] {
-        lines.push(match verdict {
-            Some(v) => {
-                format!("{question} {}: {} {:.4}, critical {:.4}", if v.holds { "yes" } else { "no" }, v.test, v.statistic, v.critical)
-            }
-            None => format!("{question} not testable"),
-        });
-    }
+    let verdict = document.equal_variances.as_ref();
+    lines.push(verdict.map_or("Do all treatments scatter alike? not testable".into(), |v| {
+        let answer = if v.holds { "yes" } else { "no" };
+        format!("Do all treatments scatter alike? {answer}: {} {:.4}, critical {:.4}", v.test, v.statistic, v.critical)
+    }));
     lines.push(match (&document.adequacy, document.adequate) {
         (Adequacy { f: Some(f), critical: Some(critical), df: Some(df) }, Some(holds)) => format!(
             "Are the significant terms enough? {}: Fisher F {f:.4} on ({}, {}), critical {critical:.4}",
@@ -353,4 +358,55 @@ fn short(value: Option<f64>) -> String {
 
 fn probability(p: f64) -> String {
     if p < 1e-4 { format!("{p:.1e}") } else { format!("{p:.4}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn json_of(name: &str, text: &str, factors: &str) -> serde_json::Value {
+        let folder = tempfile::tempdir().unwrap();
+        let table = folder.path().join(name);
+        std::fs::write(&table, text).unwrap();
+        let factors = factors.split(',').map(String::from).collect();
+        let args = Regress { table, factors, response: "y".into(), block: None, alpha: 0.05, json: true };
+        serde_json::to_value(regress(&args).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn natural_levels_are_coded_and_said() {
+        // ȳ = 2.5 and 6.5 at the two levels: constant 4.5, coefficient 2; s² = 0.5 on 2 degrees of freedom, s_b = √(0.5/4).
+        let json = json_of("t.csv", "rigidity,y\n20,2\n80,6\n20,3\n80,7\n", "rigidity");
+        let close = |value: &serde_json::Value, exact: f64| (value.as_f64().unwrap() - exact).abs() < 1e-14;
+        assert!(close(&json["terms"][0]["estimate"], 4.5) && close(&json["terms"][1]["estimate"], 2.0));
+        assert!(close(&json["terms"][1]["se"], 0.125_f64.sqrt()) && json["residual_df"] == 2);
+        // Both variances are equal: G = 1/2.
+        assert!(close(&json["cochran"]["g"], 0.5));
+        // Both terms are significant, so nothing is left to test adequacy with.
+        assert_eq!(json["adequacy"], serde_json::json!({"f": null, "critical": null, "df": null}));
+        let notes = json["notes"].to_string();
+        assert!(notes.contains("20 is coded −1") && notes.contains("Adequacy cannot be tested"), "{notes}");
+    }
+
+    #[test]
+    fn a_bad_cell_sets_its_line_aside_and_an_empty_response_is_a_missing_run() {
+        let json = json_of("t.csv", "a,b,y\n-1,-1,1\n1,-1,oops\n1,-1,2\n-1,1,3\n1,1,\n1,1,4.5\n-1,-1,1.5\n", "a,b");
+        assert_eq!((json["runs"].as_u64(), json["set_aside"].as_array().map(Vec::len)), (Some(5), Some(1)));
+        let sentence = json["set_aside"][0].as_str().unwrap();
+        assert!(sentence.contains("row 3, column “y”: “oops”"), "{sentence}");
+        assert!(json["notes"].to_string().contains("1 of 6 runs have no response"));
+    }
+
+    #[test]
+    fn a_table_that_cannot_be_regressed_says_which_column_is_wrong() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = folder.path().join("t.csv");
+        std::fs::write(&table, "a,y\n1,1\n1,2\n").unwrap();
+        let mut args = Regress { table, factors: vec!["a".into()], response: "y".into(), block: None, alpha: 0.05, json: true };
+        let why = regress(&args).err().unwrap().to_string();
+        assert!(why.contains("factor “a” has levels 1 and 1"), "{why}");
+        args.response = "z".into();
+        let why = regress(&args).err().unwrap().to_string();
+        assert!(why.contains("column “z”: there is no such column; the columns are a, y"), "{why}");
+    }
 }

@@ -104,7 +104,7 @@ impl NumberTable {
             _ => Err(Error::input(
                 place.column(&self.columns[column]),
                 format!("“{text}” is not a finite number"),
-                "correct the cell, or leave it empty if the run has no response",
+                "write a number; only a response that does not exist may be left empty",
             )),
         }
     }

@@ -3,5 +3,6 @@
 pub mod ansatz;
 pub mod energy;
 pub mod functional;
+pub mod graded;
 pub mod hem;
 pub mod tangent;

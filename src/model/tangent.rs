@@ -186,7 +186,7 @@ impl Smooth for RuledShell {
 }
 
 /// The discrete map from (cos ψ, sin ψ) on the half period to (Re h, Im h): division by 1 + jm in Fourier space, folded by symmetry.
-fn kernel(hem: f64, m: f64, half: usize, table: &[(f64, f64)]) -> DMatrix<f64> {
+pub(super) fn kernel(hem: f64, m: f64, half: usize, table: &[(f64, f64)]) -> DMatrix<f64> {
     let period = 2 * half;
     // T(δ) = (1/N) Σ_j e^{ijδ}/(1 + jm) on the grid of shifts; the highest mode is shared between +half and −half.
     let shifts: Vec<(f64, f64)> = (0..period)

@@ -1,6 +1,7 @@
 //! Mathematics with no textile word in it.
 
 pub mod double_double;
+pub mod dual;
 pub mod jet;
 pub mod least_squares;
 pub mod minimize;

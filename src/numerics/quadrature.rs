@@ -1,4 +1,4 @@
-//! Gauss–Legendre quadrature on the unit interval.
+//! Gauss–Legendre quadrature on the unit interval, and running integrals on its nodes.
 
 use std::f64::consts::PI;
 
@@ -30,9 +30,53 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
+/// Row i: weights of `∫₀^{x_i}` on the nodes of [`gauss_legendre`]`(n)`; exact for polynomials below degree n.
+///
+/// The interpolant in Legendre polynomials is integrated term by term: `∫ P_k = (P_{k+1} − P_{k−1})/(2k + 1)`.
+pub fn running_integral(n: usize) -> Vec<Vec<f64>> {
+    let rule = gauss_legendre(n);
+    // P_0 … P_n at each node, argument 2x − 1.
+    let polynomials: Vec<Vec<f64>> = rule
+        .iter()
+        .map(|(x, _)| {
+            let x = 2.0 * x - 1.0;
+            let mut p = vec![1.0, x];
+            for k in 1..n {
+                let degree = k as f64;
+                p.push(((2.0 * degree + 1.0) * x * p[k] - degree * p[k - 1]) / (degree + 1.0));
+            }
+            p
+        })
+        .collect();
+    let entry = |i: usize, j: usize| {
+        (0..n)
+            .map(|k| {
+                let integral = if k == 0 { 1.0 + polynomials[i][1] } else { (polynomials[i][k + 1] - polynomials[i][k - 1]) / (2.0 * k as f64 + 1.0) };
+                0.5 * (2.0 * k as f64 + 1.0) * polynomials[j][k] * integral * rule[j].1
+            })
+            .sum()
+    };
+    (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn running_integral_is_exact_for_polynomials_below_degree_n() {
+        for n in [1, 2, 5, 16] {
+            let (rule, running) = (gauss_legendre(n), running_integral(n));
+            for degree in 0..n as i32 {
+                for i in 0..n {
+                    let sum: f64 = (0..n).map(|j| running[i][j] * rule[j].0.powi(degree)).sum();
+                    let exact = rule[i].0.powi(degree + 1) / f64::from(degree + 1);
+                    // Rounding of n² products.
+                    assert!((sum - exact).abs() < 1e-13, "n {n}, degree {degree}, node {i}: {sum} {exact}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn rule_is_exact_for_polynomials_of_degree_two_n_minus_one() {

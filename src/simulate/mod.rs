@@ -1,11 +1,16 @@
 //! Forward: skirt + fabric + terms → predicted hem. Nothing here is fitted.
 
+pub mod ansatz;
+pub mod polar;
 pub mod ruled;
 
 use serde::Serialize;
 
+pub use polar::Turning;
+
 use crate::error::Error;
 use crate::experiment::{Fabric, Point, Skirt};
+use crate::model::hem::Hem;
 use crate::numerics::minimize::Ending;
 use crate::units::STANDARD_GRAVITY;
 
@@ -20,11 +25,18 @@ pub enum Folds {
 }
 
 /// Which theory predicts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
     /// The ruled shell over the tangent-angle family with this many harmonics, 1 … [`ruled::MOST_HARMONICS`].
     Ruled { harmonics: usize },
+    /// The paper's curve in the same energy.
+    Ansatz,
+    /// The paper's equation (4); it has no bending, so it cannot choose the fold count.
+    Polar {
+        /// Foundation modulus E, N/m³.
+        foundation: f64,
+    },
 }
 
 /// What to predict with.
@@ -98,8 +110,10 @@ pub struct Prediction {
     pub fidelity: String,
     /// 0: round, no folds.
     pub folds: u32,
-    /// J.
+    /// In `energy_unit`.
     pub energy: f64,
+    /// `J`; `N/m` for the paper's functional, which is no energy as printed.
+    pub energy_unit: &'static str,
     pub terms: Vec<TermEnergy>,
     /// m.
     pub hem_radius_min: f64,
@@ -117,6 +131,20 @@ pub struct Prediction {
     pub branches: Vec<Branch>,
     /// What a reader should know before using the numbers: limits of the theory that this scene meets.
     pub notes: Vec<String>,
+    /// p, q, s of the paper's curve, where the fidelity speaks in them.
+    pub hem: Option<Hem>,
+    /// The Lagrange multiplier of the hem's length, where the fidelity has one.
+    pub multiplier: Option<Multiplier>,
+    /// Turning points of the paper's equation (4).
+    pub turning: Option<Turning>,
+}
+
+/// What a longer hem would cost or save.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Multiplier {
+    pub value: f64,
+    /// `N` for an energy, `N/m²` for the paper's functional.
+    pub unit: &'static str,
 }
 
 impl Prediction {
@@ -145,6 +173,8 @@ pub fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Pred
     }
     match options.fidelity {
         Fidelity::Ruled { harmonics } => ruled::predict(skirt, &cloth, options.folds, harmonics),
+        Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds),
+        Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds),
     }
 }
 

@@ -19,19 +19,14 @@ const OUTLINE: usize = 720;
 /// Nodes are doubled until the energy holds to this, relative.
 const QUADRATURE: f64 = 1e-11;
 /// A branch that gains less than this over the round cone, relative, is the round cone.
-const ROUNDING: f64 = 1e-14;
+pub(super) const ROUNDING: f64 = 1e-14;
 
 /// The hem of least energy over `harmonics` coefficients, and over fold counts if they are free.
 pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usize) -> Result<Prediction, Error> {
     if !(1..=MOST_HARMONICS).contains(&harmonics) {
         return Err(Error::Invalid { quantity: "harmonics", value: harmonics as f64, allowed: "1 to 32" });
     }
-    // A lean of all the slant is a drape tester's disc; the rise √(L² − |d|²) has no derivative there.
-    if 1.0 - 1e-9 <= skirt.conicity() {
-        return Err(Error::Unanswerable(
-            "the hem is as far out as the slant reaches (base angle 0, a drape tester): the theory of straight generatrices hanging from a waist does not apply".into(),
-        ));
-    }
+    refuse_disc(skirt)?;
     let mut search = Search { skirt, cloth, evaluations: 0 };
     let round = search
         .shell(2, 1, 1)
@@ -65,6 +60,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             fidelity: format!("ruled(K = {harmonics})"),
             folds: 0,
             energy: round_energy,
+            energy_unit: "J",
             terms: terms(round.gravity, round.bending, search.evaluations),
             hem_radius_min: radius,
             hem_radius_max: radius,
@@ -74,6 +70,9 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             evaluations: search.evaluations,
             branches: tried,
             notes,
+            hem: None,
+            multiplier: None,
+            turning: None,
         });
     }
     if !search.verify(&mut best) {
@@ -81,36 +80,54 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
     }
     let curve = best.curve();
     let (low, high) = curve.radius_range();
-    let m = best.branch.folds as usize;
     let budget = best.shell.budget(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
     Ok(Prediction {
         fidelity: format!("ruled(K = {harmonics})"),
         folds: best.branch.folds,
         energy: budget.total(),
+        energy_unit: "J",
         terms: terms(budget.gravity, budget.bending, search.evaluations),
         hem_radius_min: low,
         hem_radius_max: high,
         coefficients: curve.coefficients().to_vec(),
-        outline: curve.outline(m * OUTLINE.div_ceil(m)),
+        outline: curve.outline(outline_points(best.branch.folds)),
         termination: best.branch.termination,
         evaluations: search.evaluations,
         branches: tried,
         notes,
+        hem: None,
+        multiplier: None,
+        turning: None,
     })
+}
+
+/// A lean of all the slant is a drape tester's disc; the rise √(L² − |d|²) has no derivative there.
+pub(super) fn refuse_disc(skirt: &Skirt) -> Result<(), Error> {
+    if skirt.conicity() < 1.0 - 1e-9 {
+        return Ok(());
+    }
+    let why = "the hem is as far out as the slant reaches (base angle 0, a drape tester): straight generatrices hanging from a waist are no theory of that";
+    Err(Error::Unanswerable(why.into()))
+}
+
+/// How many points an outline of `folds` folds gets: about [`OUTLINE`], the same number in every fold.
+pub(super) fn outline_points(folds: u32) -> usize {
+    let m = folds.max(1) as usize;
+    m * OUTLINE.div_ceil(m)
 }
 
 fn terms(gravity: f64, bending: f64, evaluations: usize) -> Vec<TermEnergy> {
     vec![TermEnergy { term: Gravity::NAME, energy: gravity, evaluations }, TermEnergy { term: Bending::NAME, energy: bending, evaluations }]
 }
 
-fn circle(radius: f64) -> Vec<Point> {
+pub(super) fn circle(radius: f64) -> Vec<Point> {
     (0..OUTLINE)
         .map(|i| (std::f64::consts::TAU * i as f64 / OUTLINE as f64).sin_cos())
         .map(|(sin, cos)| Point::new(radius * cos, radius * sin))
         .collect()
 }
 
-fn notes_on(skirt: &Skirt, cloth: &Cloth) -> Vec<String> {
+pub(super) fn notes_on(skirt: &Skirt, cloth: &Cloth) -> Vec<String> {
     let lengths = skirt.slant_length().0 / cloth.gravity_length();
     // Straight generatrices are an outer solution; the layers where they curve are about one gravity length at the waist.
     if lengths < 10.0 {

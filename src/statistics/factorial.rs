@@ -113,6 +113,11 @@ impl FactorialDesign {
         Ok(self)
     }
 
+    /// The same runs as if done in one block.
+    pub fn without_blocks(&self) -> Self {
+        FactorialDesign { blocks: None, ..self.clone() }
+    }
+
     pub fn factors(&self) -> &[Axis] {
         &self.factors
     }
@@ -135,6 +140,11 @@ impl FactorialDesign {
             }
         }
         if names.len() > 1 { names } else { Vec::new() }
+    }
+
+    /// The block of a run.
+    pub fn block(&self, run: usize) -> Option<&str> {
+        self.blocks.as_ref().map(|blocks| blocks[run].as_str())
     }
 
     /// The runs of `keep`, in that order.
