@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub use date::Date;
 
 use crate::error::Error;
-use crate::import::{Quarantined, Source};
+use crate::experiment::{Quarantined, Source};
 use crate::study::campaign::CampaignStudy;
 
 /// Where the numbers come from: printed, never used.

@@ -3,9 +3,9 @@
 use super::csv::{Cell, Table};
 use super::note;
 use crate::experiment::DrapeProfile;
+use crate::experiment::Quarantined;
 use crate::fit::lambda::Lambda;
 use crate::fit::{Estimate, HemFit, Termination};
-use crate::import::Quarantined;
 use crate::simulate;
 use crate::statistics::box_wilson::Coefficient;
 use crate::study::campaign::RunStudy;

@@ -64,8 +64,14 @@ fn millimetres_in_the_table_are_metres_of_the_fit() {
     let table = table::fits(study.runs.iter().take(1).map(Into::into));
     let column = |name: &str| table.columns.iter().position(|c| c == name).unwrap();
     let fit = study.runs[0].fit.as_ref().unwrap();
-    assert_eq!(table.rows[0][column("p_mm")], csv::Cell::Number(fit.hem.p / 1e-3));
-    assert_eq!(table.rows[0][column("area_mm2")], csv::Cell::Number(fit.area / (1e-3 * 1e-3)));
+    let number = |name: &str| match table.rows[0][column(name)] {
+        csv::Cell::Number(value) => value,
+        ref other => panic!("{name} is {other:?}"),
+    };
+    // Millimetres in a metre; a rounding or two in each product.
+    const MILLIMETRES: f64 = 1000.0;
+    assert!((number("p_mm") / fit.hem.p - MILLIMETRES).abs() < 1e-12);
+    assert!((number("area_mm2") / fit.area - MILLIMETRES * MILLIMETRES).abs() < 1e-9);
     assert_eq!(table.rows[0][column("m")], csv::Cell::Integer(i64::from(fit.hem.folds)));
 }
 

@@ -15,8 +15,8 @@ use crate::units::{CENTIMETRE, MILLIMETRE};
 pub const WIDTH: f64 = 84.0;
 pub const HEIGHT: f64 = 95.0;
 
-/// Points on a drawn curve; at 70 mm across, a chord of 400 is nowhere off by the width of its line.
-const NODES: usize = 400;
+/// Points on a drawn curve, and about as many kept of a predicted one: at 70 mm across, a chord is nowhere off by the width of its line.
+const NODES: usize = 300;
 
 /// One hem as a figure sees it, m, in the frame of the measurement.
 #[derive(Debug, Clone)]
@@ -96,7 +96,7 @@ fn paint(area: &Area<'_>, view: &View) -> Drawn {
 
 /// The predicted and the fitted line, every `stride`th of their points, `width` mm.
 pub fn curves(chart: &mut Chart<'_, '_>, view: &View, width: f64, stride: usize) -> Drawn {
-    let predicted = closed(&view.predicted, stride);
+    let predicted = closed(&view.predicted, stride * (view.predicted.len() / NODES).max(1));
     if !predicted.is_empty() {
         dashed(chart, &predicted, line(VERMILLION, 0.8 * width), 5.0 * width, 3.0 * width)?;
     }
