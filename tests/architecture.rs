@@ -24,7 +24,19 @@ fn allowed() -> BTreeMap<&'static str, (Vec<&'static str>, Vec<&'static str>)> {
         (
             "report",
             &["error", "units", "experiment", "model", "simulate", "fit", "statistics", "study"],
-            &["plotters", "typst", "typst_assets", "typst_layout", "typst_pdf", "resvg", "dejavu", "serde", "serde_json", "tempfile", "polars"],
+            &[
+                "plotters",
+                "typst",
+                "typst_assets",
+                "typst_layout",
+                "typst_pdf",
+                "resvg",
+                "dejavu",
+                "serde",
+                "serde_json",
+                "tempfile",
+                "polars",
+            ],
         ),
     ];
     rows.into_iter().map(|(layer, layers, crates)| (layer, (layers.to_vec(), crates.to_vec()))).collect()
@@ -104,7 +116,9 @@ fn outside_crates_enter_by_their_doors_only() {
     for (file, text) in files() {
         for name in &crates {
             // A crate is named as `name::` or `use name;`, not as part of a longer path.
-            let used = text.match_indices(&format!("{name}::")).any(|(at, _)| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':'));
+            let used = text
+                .match_indices(&format!("{name}::"))
+                .any(|(at, _)| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':'));
             if !used {
                 continue;
             }

@@ -6,13 +6,13 @@ use std::process::ExitCode;
 use clap::Args;
 use rayon::prelude::*;
 
-use super::{folds, hem_length};
+use super::{folds, hem_length, shade};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
-use crate::experiment::campaign::{Folds, HemLength};
+use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
 use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
-use crate::import::image::{self, Shade};
+use crate::import::image;
 use crate::import::table;
 use crate::report::table::{FitRow, fits};
 use crate::units::{MILLIMETRE, Metre};
@@ -43,7 +43,7 @@ pub struct Fit {
     #[arg(long, value_name = "MM")]
     pub scale_mm_per_px: Option<f64>,
     /// What is the cloth in a silhouette.
-    #[arg(long, default_value = "auto")]
+    #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
     pub object: Shade,
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
@@ -113,7 +113,7 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         let Some(scale) = args.scale_mm_per_px else {
             return Err(Error::Unanswerable(format!("{}: a silhouette needs its scale; add --scale-mm-per-px", file.display())));
         };
-        let silhouette = image::outline(file, &image::Options { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
+        let silhouette = image::outline(file, &Pictures { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
         let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
         return Ok((vec![(name, silhouette.profile)], vec![]));
     }

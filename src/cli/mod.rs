@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::error::Error;
-use crate::experiment::campaign::{Folds, HemLength};
+use crate::experiment::campaign::{Folds, HemLength, Shade};
 use crate::units::CENTIMETRE;
 
 /// How cloth drapes: fits the hem curve to measured drape profiles, predicts the hem from cloth and cut, runs the factorial regression, and
@@ -73,5 +73,15 @@ fn hem_length(text: &str) -> Result<HemLength, String> {
             Ok(length) if length.is_finite() && 0.0 < length => Ok(HemLength::Held(length * CENTIMETRE)),
             _ => Err(format!("“{text}” is no hem length: use auto, free, or a length in cm such as 163.4")),
         },
+    }
+}
+
+/// `auto`, `dark` or `light`.
+fn shade(text: &str) -> Result<Shade, String> {
+    match text {
+        "auto" => Ok(Shade::Auto),
+        "dark" => Ok(Shade::Dark),
+        "light" => Ok(Shade::Light),
+        _ => Err(format!("“{text}” is no shade: use auto, dark or light")),
     }
 }

@@ -48,9 +48,9 @@ impl Default for Run {
 /// Reads, analyses, writes, prints a summary on stdout; what was set aside goes to stderr, one sentence each.
 ///
 /// # Errors
-/// Those of [`import::campaign::load`] and [`report::write`].
+/// Those of [`import::load`] and [`report::write`].
 pub fn run(args: &Run) -> Result<ExitCode, Error> {
-    let imported = import::campaign::load(&args.campaign)?;
+    let imported = import::load(&args.campaign)?;
     for row in &imported.quarantine {
         eprintln!("set aside: {row}");
     }

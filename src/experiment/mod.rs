@@ -2,9 +2,12 @@
 
 pub mod campaign;
 pub mod design;
+mod neighbours;
+mod ordering;
 pub mod profile;
 pub mod provenance;
 pub mod specimen;
+mod tour;
 
 pub use campaign::Campaign;
 pub use design::{Design, Factor, Run};

@@ -49,6 +49,7 @@ fn analysed() -> CampaignStudy {
         hem_length: HemLength::Auto,
         gravity: 9.81,
         foundation_modulus: 0.0,
+        pictures: None,
     };
     let profiles = runs.iter().map(profile).collect();
     let notes = vec!["Sample of the tests.".into()];

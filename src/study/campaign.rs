@@ -162,14 +162,7 @@ fn regress(campaign: &Campaign, runs: &[RunStudy], notes: &mut Vec<String>) -> V
     let mut studies: Vec<Regression> = campaign
         .responses
         .iter()
-        .filter_map(|name| {
-            let found = response::named(name, weighed);
-            if found.is_none() {
-                let known: Vec<&str> = response::RESPONSES.iter().map(|r| r.name).collect();
-                notes.push(format!("“{name}” is no response and was left out; known are {}", known.join(", ")));
-            }
-            found
-        })
+        .filter_map(|name| response::named(name, weighed))
         .map(|response| {
             let values: Vec<Option<f64>> = runs.iter().map(|run| response::value(&response, run)).collect();
             let analysis = match &design {

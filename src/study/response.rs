@@ -2,33 +2,8 @@
 
 use super::campaign::RunStudy;
 use crate::experiment::Campaign;
+use crate::experiment::campaign::{RESPONSES, Response};
 use crate::units::{MILLIMETRE, PERCENT};
-
-/// A response: the short name by which a campaign asks for it, and its column of the fits table, whose suffix is its unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Response {
-    pub name: &'static str,
-    pub column: &'static str,
-}
-
-/// Every response that a campaign may ask for, by either name.
-pub const RESPONSES: [Response; 15] = [
-    Response { name: "p", column: "p_mm" },
-    Response { name: "q", column: "q_mm" },
-    Response { name: "s", column: "s_mm" },
-    Response { name: "m", column: "m" },
-    Response { name: "lambda", column: "lambda_first_integral_n_m2" },
-    Response { name: "lambda_over_weight", column: "lambda_over_weight" },
-    Response { name: "lambda_ritz", column: "lambda_ritz_n_m2" },
-    Response { name: "lambda_ruled", column: "lambda_ruled_n" },
-    Response { name: "rms", column: "rms_mm" },
-    Response { name: "fold_depth", column: "fold_depth_mm" },
-    Response { name: "mean_radius", column: "mean_radius_mm" },
-    Response { name: "perimeter", column: "perimeter_mm" },
-    Response { name: "explained", column: "explained_share" },
-    Response { name: "drape_coefficient", column: "drape_coefficient_percent" },
-    Response { name: "theory_gap", column: "theory_gap_mm" },
-];
 
 /// The response of that name; `lambda` is λ/(ρ_A g) in a campaign whose cloth was not weighed.
 pub fn named(name: &str, weighed: bool) -> Option<Response> {
