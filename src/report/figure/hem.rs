@@ -18,6 +18,9 @@ pub const HEIGHT: f64 = 95.0;
 /// Points on a drawn curve, and about as many kept of a predicted one: at 70 mm across, a chord is nowhere off by the width of its line.
 const NODES: usize = 300;
 
+/// More points than these round the hem are closer than a dot is wide.
+const DENSE: usize = 300;
+
 /// One hem as a figure sees it, m, in the frame of the measurement.
 #[derive(Debug, Clone)]
 pub struct View {
@@ -50,6 +53,11 @@ impl View {
             caption: caption(measured.len(), fit, study),
             measured,
         })
+    }
+
+    /// Whether the measured points stand so close that dots would run into each other: then they are drawn as a thin line.
+    pub fn is_dense(&self) -> bool {
+        DENSE < self.measured.len()
     }
 
     /// Half the side of the square about the centre that holds everything, m.
@@ -88,8 +96,13 @@ fn paint(area: &Area<'_>, view: &View) -> Drawn {
     };
     let mut hem = chart(&plot, &frame)?;
     let magnified = whiskers(&mut hem, view)?;
-    curves(&mut hem, view, 0.45, 1)?;
-    sheet::dots(&mut hem, &centimetres(&view.measured), 0.45, INK)?;
+    if view.is_dense() {
+        curves(&mut hem, view, 0.6, 1)?;
+        solid(&mut hem, &closed(&view.measured, 1), line(INK, 0.2))?;
+    } else {
+        curves(&mut hem, view, 0.45, 1)?;
+        sheet::dots(&mut hem, &centimetres(&view.measured), 0.45, INK)?;
+    }
     hem.draw_series(std::iter::once(Cross::new((cx, cy), steps(1.0), line(GREY, 0.2))))?;
     legend(area, view, top + side + below + 2.0, magnified)
 }
@@ -116,7 +129,8 @@ fn whiskers(chart: &mut Chart<'_, '_>, view: &View) -> Result<Option<u32>, Box<d
     // A tenth of the hem's reach is as long as a whisker may grow before whiskers of neighbouring folds meet.
     let factor = [50, 20, 10, 5, 2].into_iter().find(|f| f64::from(*f) * longest < 0.1 * view.reach()).unwrap_or(1);
     let by = f64::from(factor);
-    let lines = view.measured.iter().zip(&view.feet).map(|(m, f)| {
+    let every = view.measured.len().div_ceil(DENSE);
+    let lines = view.measured.iter().zip(&view.feet).step_by(every).map(|(m, f)| {
         let end = Point::new(f.x + by * (m.x - f.x), f.y + by * (m.y - f.y));
         PathElement::new(centimetres(&[*f, end]), line(sheet::ORANGE, 0.18))
     });
@@ -126,7 +140,11 @@ fn whiskers(chart: &mut Chart<'_, '_>, view: &View) -> Result<Option<u32>, Box<d
 
 fn legend(area: &Area<'_>, view: &View, y: f64, magnified: Option<u32>) -> Drawn {
     let mut x = 1.0;
-    area.draw(&Circle::new((steps(x + 1.5), steps(y)), steps(0.5), sheet::fill(INK)))?;
+    if view.is_dense() {
+        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 3.0), steps(y))], line(INK, 0.2)))?;
+    } else {
+        area.draw(&Circle::new((steps(x + 1.5), steps(y)), steps(0.5), sheet::fill(INK)))?;
+    }
     sheet::text_left(area, "measured", x + 3.5, y, SMALL, INK)?;
     x += 19.0;
     if !view.fitted.is_empty() {

@@ -116,9 +116,11 @@ pub fn text_centre(area: &Area<'_>, text: &str, x: f64, y: f64, size: f64, color
     put(area, text, x, y, &anchored(size, color, false, HPos::Center, VPos::Center))
 }
 
-/// The title of a figure or panel: bold, its left edge at `x`.
+/// The title of a figure or panel: bold, its left edge at `x`, smaller where it would not fit on the sheet.
 pub fn title(area: &Area<'_>, text: &str, x: f64, y: f64) -> Drawn {
-    put(area, text, x, y, &anchored(TITLE, INK, true, HPos::Left, VPos::Center))
+    // Bold letters are a seventh wider.
+    let room = (f64::from(area.dim_in_pixel().0) / GRID - x) / 1.14;
+    put(area, text, x, y, &anchored(fitted(text, room, TITLE), INK, true, HPos::Left, VPos::Center))
 }
 
 fn put(area: &Area<'_>, text: &str, x: f64, y: f64, style: &TextStyle<'_>) -> Drawn {
