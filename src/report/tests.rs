@@ -125,3 +125,24 @@ fn where_the_time_of_a_report_goes_is_printed() {
     println!("{}; {} figures, {} bytes of PDF", spent.join(", "), pictures.len(), first.len());
     assert_eq!(first, second);
 }
+
+#[test]
+fn every_column_and_key_is_described_in_the_docs() {
+    let docs = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results.md")).unwrap();
+    let summary = summary::summary(&sample::study(), &provenance());
+    for key in summary.as_object().unwrap().keys() {
+        assert!(docs.contains(&format!("`{key}`")), "summary.json: {key}");
+    }
+    for key in summary["runs"][0].as_object().unwrap().keys().chain(summary["regressions"][0].as_object().unwrap().keys()) {
+        assert!(docs.contains(&format!("`{key}`")), "summary.json: {key}");
+    }
+    // Columns are described singly or by their common beginning, as in `theory_minus_fit_…`.
+    let described = |column: &str| {
+        let mut beginnings = column.match_indices('_').map(|(at, _)| &column[..=at]);
+        docs.contains(&format!("`{column}`"))
+            || beginnings.any(|b| docs.contains(&format!("`{b}…")) || docs.contains(&format!("`{}…", b.trim_end_matches('_'))))
+    };
+    for column in table::FIT_COLUMNS.iter().filter(|c| !["p_se_mm", "q_mm", "q_se_mm", "s_mm"].contains(c)) {
+        assert!(described(column), "fits.csv: {column}");
+    }
+}
