@@ -102,6 +102,21 @@ linear_sets! {
     nist_wampler5_agrees_to_twelve_digits "Wampler5" 12.0,
 }
 
+#[test]
+fn filip_with_powers_rounded_to_doubles_keeps_seven_digits() {
+    // What a program reaches that forms the powers in doubles and then solves exactly: the rounding of the data alone.
+    let strd = fixture("strd.json");
+    let set = set(&strd, "linear", "Filip");
+    let x = numbers(&set["x"][0]);
+    let columns: Vec<Vec<f64>> = (0..11).map(|power| x.iter().map(|x| x.powi(power)).collect()).collect();
+    let names = (0..11).map(|power| format!("x^{power}")).collect();
+    let model = ordinary(&Regressors::new(names, columns).unwrap(), &numbers(&set["y"])).unwrap();
+    let certified = set["coefficients"].as_array().unwrap();
+    let least = model.estimates.iter().zip(certified).map(|(e, c)| digits(e.estimate, number(&c[0]))).fold(15.0, f64::min);
+    println!("Filip with rounded powers: {least:.1} digits");
+    assert!(least >= 7.0);
+}
+
 /// The groups as the published decimal strings, each rounded once to a double.
 fn groups(set: &Value) -> Vec<Vec<f64>> {
     if let Some(groups) = set.get("groups") {
@@ -131,6 +146,10 @@ fn anova_digits(name: &str) -> f64 {
         digits(found.f.unwrap(), number(&set["f"])),
         digits(found.r_squared.unwrap(), number(&set["r_squared"])),
     ];
+    // The doubles nearest to the decimals hold these sums exactly (rational arithmetic): what is missing to the certified digits is lost in
+    // reading, none of it in computing.
+    let rounded = floats(&set["rounded"]);
+    assert!(digits(found.between_sum_of_squares, rounded[0]) >= 14.5 && digits(found.within_sum_of_squares, rounded[1]) >= 14.5, "{name}");
     println!("{name:8} between {:5.1}  within {:5.1}  F {:5.1}  R² {:5.1}", all[0], all[1], all[2], all[3]);
     all.into_iter().fold(15.0, f64::min)
 }
@@ -338,6 +357,11 @@ fn tails_agree_with_fifty_digit_arithmetic() {
     for (name, (error, place)) in &found {
         println!("{name}: worst relative error {error:.1e} at {place:?}");
     }
+    let mut up_to_ten_thousand = tails["student"].clone();
+    up_to_ten_thousand.as_array_mut().unwrap().retain(|point| point[1].as_f64().unwrap() <= 1e4);
+    let (error, place) = worst(&up_to_ten_thousand, |x| distribution::student_two_sided(x[0], x[1]));
+    println!("student up to 1e4 degrees of freedom: {error:.1e} at {place:?}");
+    assert!(error < 1e-12);
     // The exponent of a tail of 1e-290 is 670: its rounding alone is 670 ε = 1.5e-13. With ν degrees of freedom the continued fraction
     // starts from a difference of two numbers that agree to 1/ν; here ν ≤ 1e5, and ν ε = 2e-11.
     assert!(found[0].1.0 < 2e-11 && found[1..].iter().all(|(_, (error, _))| *error < 1e-12), "{found:?}");

@@ -52,6 +52,8 @@ fn zero_variance_everywhere_gives_coefficients_but_no_errors_and_says_why() {
     assert!((found.coefficients[1].estimate - 0.2).abs() < 1e-15);
     assert!(found.coefficients.iter().all(|c| c.se.is_none() && c.t.is_none() && c.p.is_none() && !c.significant));
     assert!(found.equal_variances.is_none() && found.adequacy.is_none() && found.error.is_none());
+    // Nothing was judged insignificant, so nothing is dropped.
+    assert_eq!(found.reduced.coded.len(), 4);
     assert!(noted(&found, "no scatter to test against"), "{:?}", found.notes);
 }
 

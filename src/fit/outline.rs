@@ -6,10 +6,15 @@ use std::f64::consts::TAU;
 
 use crate::experiment::{DrapeProfile, Point};
 
-/// Samples of the polygon, and of the smooth curve: 512 resolve 24 folds with 20 samples each.
-const SAMPLES: usize = 512;
-/// Highest order tried: two harmonics of 24 folds with a few to spare.
-const HIGHEST_ORDER: usize = 64;
+/// Samples of the polygon, and of the smooth curve: 1024 resolve 60 folds with 17 samples each.
+const SAMPLES: usize = 1024;
+/// Highest order tried: deep folds need about eight harmonics, 24 of them 192.
+const HIGHEST_ORDER: usize = 192;
+/// Orders tried in vain before giving up: the next harmonic of up to 60 folds lies within them.
+const PATIENCE: usize = 61;
+/// Noise above this share of the point spacing disturbs the polygon's own length as a parameter; the points are then parametrized anew by
+/// their place along the smooth curve.
+const DISTURBING_NOISE: f64 = 0.25;
 
 /// A smooth closed outline at equal steps of its own length.
 #[derive(Debug, Clone)]
@@ -40,13 +45,31 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     }
     fraction.iter_mut().for_each(|f| *f /= length);
 
-    let polygon = resample(points, &fraction);
-    let highest = HIGHEST_ORDER.min(n / 4).max(1);
-    let series = Series::of(&polygon, highest);
-    let (order, noise) = order_by_evidence(&series, points, &fraction);
+    let (mut samples, mut length, mut order, mut noise) = smoothed(points, &fraction);
+    let disturbed = DISTURBING_NOISE * length / n as f64;
+    // Twice: the second time the parameter is right to the noise over the spacing squared.
+    for _ in 0..2 {
+        if noise <= disturbed {
+            break;
+        }
+        let (sorted, places) = along(points, &fraction, &samples);
+        (samples, length, order, noise) = smoothed(&sorted, &places);
+    }
+    // What noise the series keeps is roughness of its own: its mean squared slope, half of which is length too much.
+    let roughness = (TAU / length).powi(2) * noise * noise * 2.0 * (order as f64).powi(3) / 3.0 / n as f64;
+    let length = length * (1.0 - 0.5 * roughness.min(0.5));
+    let (cx, cy) = centroid(&samples);
+    let radius = (samples.iter().map(|p| (p.x - cx).powi(2) + (p.y - cy).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
+    let crossings = crossings(&samples);
+    Outline { samples, length, order, noise, radius, crossings }
+}
 
-    // Twice through: the first pass gives equal steps of the polygon's length, the second of the curve's own.
-    let fine: Vec<Point> = (0..8 * SAMPLES).map(|j| series.at(j as f64 / (8 * SAMPLES) as f64, order)).collect();
+/// The smooth curve through points at the fractions given: samples at equal steps of its length, the length, order, and what it leaves.
+fn smoothed(points: &[Point], fraction: &[f64]) -> (Vec<Point>, f64, usize, f64) {
+    let highest = HIGHEST_ORDER.min(points.len() / 4).max(1);
+    let series = Series::of(&resample(points, fraction), highest);
+    let (order, noise) = order_by_evidence(&series, points, fraction);
+    let fine = series.samples(4 * SAMPLES, order);
     let mut along = Vec::with_capacity(fine.len());
     let mut length = 0.0;
     for (i, point) in fine.iter().enumerate() {
@@ -54,11 +77,32 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
         length += point.distance(fine[(i + 1) % fine.len()]);
     }
     along.iter_mut().for_each(|f| *f /= length);
-    let samples = resample(&fine, &along);
-    let (cx, cy) = centroid(&samples);
-    let radius = (samples.iter().map(|p| (p.x - cx).powi(2) + (p.y - cy).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
-    let crossings = crossings(&samples);
-    Outline { samples, length, order, noise, radius, crossings }
+    (resample(&fine, &along), length, order, noise)
+}
+
+/// Each point's place along the smooth curve near its old fraction; points and places in ascending order of place.
+fn along(points: &[Point], fraction: &[f64], samples: &[Point]) -> (Vec<Point>, Vec<f64>) {
+    let n = samples.len() as i64;
+    // A twentieth of the outline each way: half a fold of ten.
+    let window = n / 20;
+    let mut placed: Vec<(f64, Point)> = points
+        .iter()
+        .zip(fraction)
+        .map(|(point, f)| {
+            let middle = (f * n as f64) as i64;
+            let at = |j: i64| samples[j.rem_euclid(n) as usize];
+            let nearest = (middle - window..=middle + window).min_by(|a, b| point.distance(at(*a)).total_cmp(&point.distance(at(*b))));
+            let j = nearest.unwrap_or(middle);
+            // Between the neighbours of the nearest sample.
+            let (before, after) = (at(j - 1), at(j + 1));
+            let (ex, ey) = (after.x - before.x, after.y - before.y);
+            let share = ((point.x - before.x) * ex + (point.y - before.y) * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE);
+            (((j as f64 - 1.0 + 2.0 * share.clamp(0.0, 1.0)) / n as f64).rem_euclid(1.0), *point)
+        })
+        .collect();
+    placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first = placed[0].0;
+    (placed.iter().map(|p| p.1).collect(), placed.iter().map(|p| p.0 - first).collect())
 }
 
 /// Mean of points at equal steps of length, m.
@@ -134,33 +178,42 @@ impl Series {
         Series { centre: coefficient(0, 1.0), pairs: (1..=order).map(|k| [coefficient(k, 1.0), coefficient(k, -1.0)]).collect() }
     }
 
-    /// The contribution of ±k at fraction `f`.
-    fn pair(&self, k: usize, f: f64) -> (f64, f64) {
-        let [(a, b), (c, d)] = self.pairs[k - 1];
-        let (sin, cos) = (TAU * k as f64 * f).sin_cos();
-        ((a + c) * cos + (d - b) * sin, (b + d) * cos + (a - c) * sin)
-    }
-
-    fn at(&self, f: f64, order: usize) -> Point {
-        let (mut x, mut y) = self.centre;
-        for k in 1..=order {
-            let (dx, dy) = self.pair(k, f);
-            x += dx;
-            y += dy;
+    /// `n` points at equal steps of the parameter.
+    fn samples(&self, n: usize, order: usize) -> Vec<Point> {
+        let table: Vec<(f64, f64)> = (0..n).map(|j| (TAU * j as f64 / n as f64).sin_cos()).collect();
+        let mut points = vec![Point::new(self.centre.0, self.centre.1); n];
+        for (k, pair) in (1..=order).zip(&self.pairs) {
+            for (j, point) in points.iter_mut().enumerate() {
+                let (dx, dy) = contribution(pair, table[j * k % n]);
+                point.x += dx;
+                point.y += dy;
+            }
         }
-        Point::new(x, y)
+        points
     }
+}
+
+/// What the harmonics ±k add where k times the angle has this (sine, cosine).
+fn contribution([(a, b), (c, d)]: &[(f64, f64); 2], (sin, cos): (f64, f64)) -> (f64, f64) {
+    ((a + c) * cos + (d - b) * sin, (b + d) * cos + (a - c) * sin)
 }
 
 /// The order of least AICc, and the root mean square distance that it leaves.
 fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (usize, f64) {
     let values = 2.0 * points.len() as f64;
     let mut left: Vec<(f64, f64)> = points.iter().map(|p| (p.x - series.centre.0, p.y - series.centre.1)).collect();
+    // (sin, cos) of the angle itself and of k times it, the latter carried along by the addition theorem.
+    let unit: Vec<(f64, f64)> = fraction.iter().map(|f| (TAU * f).sin_cos()).collect();
+    let mut turned = vec![(0.0, 1.0); points.len()];
     let mut best = (f64::INFINITY, 1, 0.0);
-    for k in 1..=series.pairs.len() {
+    for (k, pair) in (1..).zip(&series.pairs) {
+        if best.1 + PATIENCE < k {
+            break;
+        }
         let mut square = 0.0;
-        for ((x, y), &f) in left.iter_mut().zip(fraction) {
-            let (dx, dy) = series.pair(k, f);
+        for (((x, y), turned), unit) in left.iter_mut().zip(&mut turned).zip(&unit) {
+            *turned = (turned.0 * unit.1 + turned.1 * unit.0, turned.1 * unit.1 - turned.0 * unit.0);
+            let (dx, dy) = contribution(pair, *turned);
             *x -= dx;
             *y -= dy;
             square += *x * *x + *y * *y;

@@ -4,16 +4,18 @@
 //! criterion is wrong there, not the solver, so every fit is held against what is known about an outline: its points come in order, cloth
 //! does not stretch, the hem does not pass through itself, and a curve is near the outline only if the outline is near the curve.
 
-use std::f64::consts::TAU;
-
 use super::outcome::Rule;
 use super::outline::{Outline, crossings};
+use super::start::LengthTable;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
 
 /// Relative difference of curve and outline length above which a free fit is not believed. Sane free optima of uneven folds are up to
 /// 4 % shorter than their outline (they average the folds); curves that fill space begin at 10 % longer.
 pub const LENGTH_SLACK: f64 = 0.05;
+
+/// The same where the curve leaves hardly more than the noise.
+const NOISY_LENGTH_SLACK: f64 = 0.1;
 
 /// What is checked besides the curve itself.
 pub struct Evidence<'a> {
@@ -42,10 +44,12 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
         return Some(Rule::Length);
     }
     let perimeter = hem.perimeter();
-    if LENGTH_SLACK < (perimeter / evidence.length - 1.0).abs() && !evidence.coarsely_as_long(hem, placement, perimeter) {
+    // A curve as near to the points as the freest smooth one cannot have got there by filling space; noise blurs the outline's length.
+    let slack = if evidence.rms <= 1.5 * evidence.outline.noise { NOISY_LENGTH_SLACK } else { LENGTH_SLACK };
+    if slack < (perimeter / evidence.length - 1.0).abs() && !evidence.coarsely_as_long(hem, placement, perimeter) {
         return Some(Rule::Length);
     }
-    if out_of_order(evidence, perimeter) {
+    if out_of_order(hem, evidence, perimeter) {
         return Some(Rule::Order);
     }
     let curve = hem.outline(placement, 48 * hem.folds.max(6) as usize);
@@ -90,20 +94,23 @@ fn polygon_length(points: &[Point]) -> f64 {
 }
 
 /// Whether the feet run back along the curve further than noise makes them, or do not run round it once.
-fn out_of_order(evidence: &Evidence, perimeter: f64) -> bool {
+fn out_of_order(hem: &Hem, evidence: &Evidence, perimeter: f64) -> bool {
     let n = evidence.feet.len();
+    // Measured in length, not in t: where the curve turns sharply it moves little while t runs.
+    let table = LengthTable::of(hem);
+    let places: Vec<f64> = evidence.feet.iter().map(|&t| table.fraction(t)).collect();
     let (mut turned, mut back) = (0.0, 0.0_f64);
     let mut high = f64::NEG_INFINITY;
     for i in 0..n {
-        let step = evidence.feet[(i + 1) % n] - evidence.feet[i];
-        let step = step - TAU * (step / TAU).round();
-        turned += step;
+        let step = places[(i + 1) % n] - places[i];
+        turned += step - step.round();
         high = high.max(turned);
         back = back.max(high - turned);
     }
-    // Noise moves a foot along the curve by about its own size; where the fit is coarse, feet near a bend bunch by the misfit.
-    let allowed = (4.0 * evidence.outline.noise + 0.5 * evidence.rms) / perimeter * TAU + 0.01 * TAU;
-    (turned - TAU).abs() > 1e-6 || allowed < back
+    // Noise moves a foot along the curve by about its own size, the largest of many by four; where the fit is coarse, feet near a bend bunch
+    // by the misfit.
+    let allowed = (5.0 * evidence.outline.noise + 0.5 * evidence.rms) / perimeter + 0.01;
+    (turned - 1.0).abs() > 1e-6 || allowed < back
 }
 
 /// Distance of a point from a closed polygon, and the length of its nearest side, m.

@@ -49,6 +49,16 @@ impl LengthTable {
         LengthTable { folds, fraction }
     }
 
+    /// Fraction of the whole length at parameter `t` (any real number; one turn is 1).
+    pub fn fraction(&self, t: f64) -> f64 {
+        let scaled = t * self.folds / TAU;
+        let fold = scaled.floor();
+        let within = (scaled - fold) * TABLE as f64;
+        let i = (within as usize).min(TABLE - 1);
+        let share = within - i as f64;
+        (fold + self.fraction[i] + share * (self.fraction[i + 1] - self.fraction[i])) / self.folds
+    }
+
     /// t at fraction `f` of the whole length (any real number; 1 is one turn).
     pub fn parameter(&self, f: f64) -> f64 {
         let scaled = f * self.folds;

@@ -8,8 +8,9 @@ use super::double_double::DoubleDouble;
 
 /// A column is dependent if what is left of it after the earlier ones is shorter than this part of it.
 ///
-/// The entries are doubles, so an exact dependency shows as 1e-16 … 1e-15; the hardest certified polynomial (degree 10 on x ∈ (−9, −3)) has 5e-11.
-pub const DEPENDENT: f64 = 1e-13;
+/// The entries are doubles, so an exact dependency shows as a few 1e-16; the hardest certified polynomial (degree 10 on x ∈ (−9, −3)) leaves
+/// 5e-11 of its last column.
+pub const DEPENDENT: f64 = 1e-14;
 
 /// `A = Q R` on the independent columns of A.
 #[derive(Debug, Clone)]

@@ -90,7 +90,9 @@ fn scores(analysis: &Analysis) -> Vec<half_normal::Score> {
 /// Residuals of the reduced model in run order, with Blom's normal scores (rank − 3/8)/(n + 1/4).
 fn observations(study: &CampaignStudy, analysis: &Analysis) -> Vec<residuals::Residual> {
     let observed: Vec<f64> = analysis.full.fitted.iter().zip(&analysis.full.residuals).map(|(f, r)| f + r).collect();
-    let residual: Vec<f64> = observed.iter().zip(&analysis.reduced.fitted).map(|(y, f)| y - f).collect();
+    // A model of no significant term predicts 0.
+    let fitted = analysis.reduced.model.as_ref().map_or_else(|| vec![0.0; observed.len()], |model| model.fitted.clone());
+    let residual: Vec<f64> = observed.iter().zip(&fitted).map(|(y, f)| y - f).collect();
     let mut order: Vec<usize> = (0..residual.len()).collect();
     order.sort_by(|&a, &b| residual[a].total_cmp(&residual[b]).then(a.cmp(&b)));
     let n = residual.len() as f64;
@@ -100,7 +102,7 @@ fn observations(study: &CampaignStudy, analysis: &Analysis) -> Vec<residuals::Re
     }
     let one = |(i, &run): (usize, &usize)| residuals::Residual {
         run: study.runs[run].run.id.clone(),
-        fitted: analysis.reduced.fitted[i],
+        fitted: fitted[i],
         residual: residual[i],
         normal_quantile: Some(quantile[i]),
     };

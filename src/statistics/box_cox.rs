@@ -28,7 +28,8 @@ impl BoxCox {
 
 /// λ for the full factorial model (with blocks and curvature where they are); interval at 1 − alpha.
 ///
-/// `None` if the model leaves no residual degrees of freedom or fits perfectly.
+/// `None` if the model leaves no residual degrees of freedom or fits perfectly, or if the likelihood still rises at ±5: then the runs do not
+/// determine a power.
 ///
 /// Source: Box & Cox, J. R. Statist. Soc. B 26 (1964) 211–252.
 ///
@@ -73,6 +74,9 @@ pub fn box_cox(design: &FactorialDesign, response: &[Option<f64>], alpha: f64) -
     });
     let step = RANGE / 50.0;
     let lambda = golden_section(&likelihood, (best.1 - step).max(-RANGE), (best.1 + step).min(RANGE));
+    if lambda.abs() > RANGE - 1e-6 {
+        return Ok(None);
+    }
     let target = likelihood(lambda) - 0.5 * chi_squared_critical(alpha, 1.0);
     let end = |limit: f64| -> Option<f64> {
         if likelihood(limit) > target {

@@ -99,23 +99,23 @@ pub struct CellSummary {
     pub variance: Option<f64>,
 }
 
-/// The model of the significant terms alone.
-#[derive(Debug, Clone, PartialEq)]
+/// The model of the significant terms alone; of all terms where none can be tested.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reduced {
     /// `(term, coefficient)` in coded units, refitted where the design is not orthogonal.
     pub coded: Vec<(String, f64)>,
     /// The same polynomial in the natural units of the factors.
     pub natural: Vec<(String, f64)>,
-    /// Fitted value of each used run.
-    pub fitted: Vec<f64>,
-    /// Residual sum of squares and degrees of freedom.
+    /// The fit, in the order of the used runs; `None` if nothing is significant, so that the model is 0.
+    pub model: Option<LinearModel>,
+    /// Residual degrees of freedom and sum of squares.
     pub residual: (usize, f64),
     /// By replicates; `None` if there are none.
     pub lack_of_fit: Option<LackOfFit>,
 }
 
 /// Everything about one response.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analysis {
     /// In the order of [`FactorialDesign::term_factors`]; those that the runs cannot tell apart are in [`Analysis::aliases`] instead.
     pub coefficients: Vec<Coefficient>,
@@ -194,9 +194,13 @@ pub fn analyse(design: &FactorialDesign, response: &[Option<f64>], options: &Opt
     let lenth = if error.is_none() { unreplicated(&mut coefficients, full.residual_df, options.alpha, &mut notes) } else { None };
 
     let equal_variances = equal_variances(&used, &cells, &y, options.alpha, &mut notes)?;
-    let kept: Vec<Vec<usize>> =
-        terms.iter().filter(|term| coefficients.iter().any(|c| c.significant && c.term == used.term_name(term))).cloned().collect();
-    let keep_curvature = curvature.as_ref().is_some_and(|c| c.significant);
+    let untested = error.is_none() && lenth.is_none();
+    if untested {
+        notes.push("No term can be tested, so the reduced model keeps them all.".into());
+    }
+    let keeps = |term: &[usize]| coefficients.iter().any(|c| (c.significant || untested) && c.term == used.term_name(term));
+    let kept: Vec<Vec<usize>> = terms.iter().filter(|term| keeps(term)).cloned().collect();
+    let keep_curvature = curvature.as_ref().is_some_and(|c| c.significant || untested);
     let (reduced, adequacy, anova) = reduce(&used, &kept, keep_curvature, &y, &pure_error, options.alpha, &mut notes)?;
 
     let all: Vec<(Vec<usize>, f64)> = terms
@@ -448,7 +452,7 @@ fn reduce(
         }
     }
     anova.push(AnovaRow::new("total", total.0, total.1));
-    Ok((Reduced { natural: design.natural_equation(&by_factors), coded, fitted, residual, lack_of_fit }, adequacy, anova))
+    Ok((Reduced { natural: design.natural_equation(&by_factors), coded, model, residual, lack_of_fit }, adequacy, anova))
 }
 
 /// Fisher's F: the distance of the reduced model from the means of the treatments, in units of their own scatter.

@@ -191,6 +191,11 @@ impl FactorialDesign {
         if term.is_empty() { "1".into() } else { term.iter().map(|&i| self.factors[i].name.as_str()).collect::<Vec<_>>().join(":") }
     }
 
+    /// Coded column of a term: the product of its factors' levels.
+    pub(crate) fn column(&self, term: &[usize]) -> Vec<f64> {
+        self.levels.iter().map(|levels| term.iter().map(|&i| levels[i]).product()).collect()
+    }
+
     /// The regressors of all interactions, in the order of [`FactorialDesign::term_factors`].
     pub fn regressors(&self) -> Result<Regressors, Error> {
         self.regressors_of(&self.term_factors(), false)
@@ -199,8 +204,7 @@ impl FactorialDesign {
     /// The regressors of the terms asked, then `curvature` (1 at the centre, 0 elsewhere) if asked, then the blocks as deviations from their mean.
     pub fn regressors_of(&self, terms: &[Vec<usize>], curvature: bool) -> Result<Regressors, Error> {
         let mut names: Vec<String> = terms.iter().map(|term| self.term_name(term)).collect();
-        let mut columns: Vec<Vec<f64>> =
-            terms.iter().map(|term| self.levels.iter().map(|levels| term.iter().map(|&i| levels[i]).product()).collect()).collect();
+        let mut columns: Vec<Vec<f64>> = terms.iter().map(|term| self.column(term)).collect();
         if curvature {
             names.push(CURVATURE.into());
             columns.push(self.levels.iter().map(|levels| f64::from(u8::from(is_centre(levels)))).collect());

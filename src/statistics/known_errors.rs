@@ -58,11 +58,10 @@ pub fn regress(regressors: &Regressors, response: &[f64], standard_errors: &[f64
     let q = own.fit(response)?.residual_sum_of_squares;
     let mut between = 0.0;
     if residual_df > 0 && q > residual_df as f64 {
-        // The weighted squares fall with τ²; at the square of the range of the responses they are below n − rank.
+        // The weighted squares fall with τ², and at τ² = s² of the unweighted fit they are at most n − rank.
         let expected = residual_df as f64;
-        let largest = response.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-        let (mut low, mut high) = (0.0, (2.0 * largest).powi(2));
-        // 60 halvings of a range of at most 4 y² leave a relative 1e-18 of it.
+        let (mut low, mut high) = (0.0, regressors.decompose().fit(response)?.residual_sum_of_squares / expected);
+        // 60 halvings leave 1e-18 of that.
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if squares(middle)? > expected { low = middle } else { high = middle }

@@ -6,6 +6,8 @@
 //! Source of the formulas: Draper & Smith, Applied Regression Analysis (3rd ed., 1998), chapters 1–8; of the influence measures Cook &
 //! Weisberg, Residuals and Influence in Regression (1982).
 
+use serde::Serialize;
+
 use crate::error::Error;
 use crate::numerics::double_double::{DoubleDouble, sum};
 use crate::numerics::pivoted_qr::{PivotedQr, dot};
@@ -62,6 +64,13 @@ impl Regressors {
         Ok(Regressors { names, columns, rows })
     }
 
+    /// One more column, behind the others; of the same length and finite.
+    pub(crate) fn with_column(mut self, name: String, column: Vec<f64>) -> Self {
+        self.names.push(name);
+        self.columns.push(column.into_iter().map(DoubleDouble::from).collect());
+        self
+    }
+
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -111,7 +120,7 @@ impl Regressors {
 }
 
 /// A regressor that the runs at hand cannot tell from others.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alias {
     pub term: String,
     /// The combination it equals: `(other term, factor)`, factors that vanish left out.
@@ -119,7 +128,7 @@ pub struct Alias {
 }
 
 /// One coefficient with its error; the error is `None` where there is nothing to estimate it from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
     pub term: String,
     pub estimate: f64,
@@ -198,32 +207,48 @@ impl Decomposition {
         self.qr.basis().iter().map(|column| column.iter().map(|entry| entry.to_f64()).collect()).collect()
     }
 
+    /// What each term explains beyond those before it: `(term, sum of squares)`, aliased terms left out.
+    ///
+    /// # Errors
+    /// Those of [`Decomposition::fit`].
+    pub fn sequential_sums_of_squares(&self, response: &[f64]) -> Result<Vec<(String, f64)>, Error> {
+        let response = self.checked(response)?;
+        let projected = self.qr.project(&self.weigh(&response));
+        Ok(self.terms().zip(projected).map(|(term, part)| (term.to_string(), (part * part).to_f64())).collect())
+    }
+
+    fn checked(&self, response: &[f64]) -> Result<Vec<DoubleDouble>, Error> {
+        if response.len() != self.rows() {
+            return Err(Error::Unanswerable(format!("{} responses for {} runs", response.len(), self.rows())));
+        }
+        if let Some(row) = response.iter().position(|value| !value.is_finite()) {
+            return Err(Error::Unanswerable(format!("the response of run {} is not finite", row + 1)));
+        }
+        Ok(response.iter().copied().map(DoubleDouble::from).collect())
+    }
+
+    /// Times the roots of the weights.
+    fn weigh(&self, values: &[DoubleDouble]) -> Vec<DoubleDouble> {
+        match &self.roots {
+            None => values.to_vec(),
+            Some(roots) => values.iter().zip(roots).map(|(&value, &root)| value * root).collect(),
+        }
+    }
+
     /// Least squares of one response.
     ///
     /// # Errors
     /// [`Error::Unanswerable`] if there is not one finite response per run.
     pub fn fit(&self, response: &[f64]) -> Result<LinearModel, Error> {
         let rows = self.rows();
-        if response.len() != rows {
-            return Err(Error::Unanswerable(format!("{} responses for {rows} runs", response.len())));
-        }
-        if let Some(row) = response.iter().position(|value| !value.is_finite()) {
-            return Err(Error::Unanswerable(format!("the response of run {} is not finite", row + 1)));
-        }
-        let weighted = |values: &[DoubleDouble]| -> Vec<DoubleDouble> {
-            match &self.roots {
-                None => values.to_vec(),
-                Some(roots) => values.iter().zip(roots).map(|(&value, &root)| value * root).collect(),
-            }
-        };
-        let exact: Vec<DoubleDouble> = response.iter().copied().map(DoubleDouble::from).collect();
-        let projected = self.qr.project(&weighted(&exact));
+        let exact = self.checked(response)?;
+        let projected = self.qr.project(&self.weigh(&exact));
         let coefficients = self.qr.solve(&projected);
         let fitted: Vec<DoubleDouble> = (0..rows)
             .map(|row| self.qr.independent().iter().zip(&coefficients).map(|(&j, &b)| self.regressors.columns[j][row] * b).sum())
             .collect();
         let residuals: Vec<DoubleDouble> = exact.iter().zip(&fitted).map(|(&y, &fit)| y - fit).collect();
-        let scaled_residuals = weighted(&residuals);
+        let scaled_residuals = self.weigh(&residuals);
         let residual_sum_of_squares = dot(&scaled_residuals, &scaled_residuals).to_f64();
         let total_sum_of_squares = self.total_sum_of_squares(&exact);
 
@@ -279,7 +304,7 @@ pub fn is_rounding(residual_sum_of_squares: f64, response: &[f64]) -> bool {
 }
 
 /// One response on its regressors.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LinearModel {
     /// In the order of the regressors, those without a coefficient left out.
     pub estimates: Vec<Estimate>,
@@ -297,6 +322,7 @@ pub struct LinearModel {
     pub residuals: Vec<f64>,
     /// Diagonal of the hat matrix, 0…1.
     pub leverage: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     weights: Option<Vec<f64>>,
 }
 

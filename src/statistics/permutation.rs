@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::statistics::factorial::FactorialDesign;
+use crate::statistics::linear_model::Decomposition;
 
 /// How many arrangements to look at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,13 +59,13 @@ pub fn permutation_tests(design: &FactorialDesign, response: &[Option<f64>], opt
     let terms = design.term_factors();
     let full = design.regressors_of(&terms, design.has_centre())?.decompose();
     let model = full.fit(&y)?;
-    let basis = full.basis();
+    let space = Space::new(&full, &design);
     let known: Vec<String> = full.terms().map(String::from).collect();
     let mut tests = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(1).filter(|(_, term)| known.contains(&design.term_name(term))) {
         // The direction that only this term explains, of unit length; without the term the fit differs by its share along it.
         let others: Vec<Vec<usize>> = terms.iter().filter(|other| *other != term).cloned().collect();
-        let column: Vec<f64> = design.levels().iter().map(|levels| term.iter().map(|&i| levels[i]).product()).collect();
+        let column = design.column(term);
         let reduced = design.regressors_of(&others, design.has_centre())?.decompose().fit(&column)?;
         let length = reduced.residual_sum_of_squares.sqrt();
         let direction: Vec<f64> = reduced.residuals.iter().map(|e| e / length).collect();
@@ -76,7 +77,7 @@ pub fn permutation_tests(design: &FactorialDesign, response: &[Option<f64>], opt
                 return explained;
             }
             let all: f64 = inner(arranged, arranged);
-            let left = all - basis.iter().map(|q| inner(q, arranged).powi(2)).sum::<f64>();
+            let left = all - space.explained(arranged);
             // t² up to a factor; where nothing is left the term explains everything.
             if left > 1e-12 * all { explained / left } else { f64::INFINITY }
         };
@@ -107,6 +108,30 @@ pub fn permutation_tests(design: &FactorialDesign, response: &[Option<f64>], opt
         });
     }
     Ok(tests)
+}
+
+/// What the full model can explain.
+enum Space {
+    /// Any combination of cell means, because there are as many coefficients as cells: then cell sums are enough, at a fraction of the cost.
+    Cells(Vec<Vec<usize>>),
+    Basis(Vec<Vec<f64>>),
+}
+
+impl Space {
+    fn new(full: &Decomposition, design: &FactorialDesign) -> Self {
+        let cells: Vec<Vec<usize>> = design.cells().into_iter().map(|cell| cell.runs).collect();
+        if full.rank() == cells.len() && design.block_names().is_empty() { Space::Cells(cells) } else { Space::Basis(full.basis()) }
+    }
+
+    /// Squared length of the projection.
+    fn explained(&self, values: &[f64]) -> f64 {
+        match self {
+            Space::Cells(cells) => {
+                cells.iter().map(|runs| runs.iter().map(|&run| values[run]).sum::<f64>().powi(2) / runs.len() as f64).sum()
+            }
+            Space::Basis(basis) => basis.iter().map(|q| inner(q, values).powi(2)).sum(),
+        }
+    }
 }
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {

@@ -123,3 +123,33 @@ fn check(variance: f64, alpha: f64, wanted: f64) -> Result<(), Error> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_smallest_coefficient_of_a_design_needs_just_its_replicates() {
+        for (cells, replicates) in [(2, 3), (4, 4), (8, 5), (16, 2)] {
+            let smallest = smallest_coefficient(2.5, cells, replicates, 0.05, 0.9).unwrap();
+            assert_eq!(replicates_needed(1.000_001 * smallest, 2.5, cells, 0.05, 0.9).unwrap(), replicates);
+            assert_eq!(replicates_needed(0.999_999 * smallest, 2.5, cells, 0.05, 0.9).unwrap(), replicates + 1);
+        }
+    }
+
+    #[test]
+    fn power_without_an_effect_is_the_level_and_with_a_huge_one_certainty() {
+        assert_eq!(power(0.0, 8.0, 0.05), 0.05);
+        // Nothing happens between no effect and almost none.
+        assert!((power(1e-6, 8.0, 0.05) - 0.05).abs() < 1e-10);
+        assert!(power(60.0, 8.0, 0.05) > 1.0 - 1e-12);
+    }
+
+    #[test]
+    fn questions_without_an_answer_are_refused() {
+        assert!(smallest_coefficient(0.0, 8, 5, 0.05, 0.9).is_err());
+        assert!(smallest_coefficient(1.0, 8, 1, 0.05, 0.9).is_err());
+        assert!(replicates_needed(0.0, 1.0, 8, 0.05, 0.9).is_err());
+        assert!(replicates_needed(1e-6, 1.0, 8, 0.05, 0.9).is_err());
+    }
+}

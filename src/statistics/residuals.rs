@@ -7,6 +7,7 @@ use crate::numerics::double_double::{DoubleDouble, sum};
 use crate::statistics::box_wilson::{Analysis, Options, analyse};
 use crate::statistics::distribution::{normal_critical, normal_upper, student_two_sided};
 use crate::statistics::factorial::FactorialDesign;
+use crate::statistics::variances::centred_squares;
 
 /// The Shapiro–Wilk test of normality.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -112,6 +113,19 @@ pub fn durbin_watson(residuals: &[f64]) -> Option<f64> {
     (residuals.len() > 1 && squares > 0.0).then(|| steps / squares)
 }
 
+/// Correlation of each value with the next, `Σ (xᵢ − x̄)(xᵢ₊₁ − x̄)/Σ (xᵢ − x̄)²`; `None` if they do not vary.
+///
+/// Source: Box, Jenkins & Reinsel, Time Series Analysis (3rd ed., 1994), section 2.1.5.
+pub fn lag_one_autocorrelation(values: &[f64]) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let (mean, squares) = centred_squares(values);
+    let centred: Vec<DoubleDouble> = values.iter().map(|&x| DoubleDouble::from(x) - mean).collect();
+    let products: DoubleDouble = centred.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    (squares.to_f64() > 0.0).then(|| (products / squares).to_f64())
+}
+
 /// Probability, under independent normal errors, of a Durbin–Watson d at least as far from its expectation, for residuals `(I − H) y` of the
 /// model whose column space has this orthonormal basis (`basis[j][run]`, runs in order).
 ///
@@ -184,6 +198,36 @@ pub fn suspects(analysis: &Analysis, alpha: f64) -> Vec<Suspect> {
     found
 }
 
+/// All that the residuals of the full model say, at once.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnostics {
+    /// `None` where there are no residuals to look at.
+    pub normality: Option<ShapiroWilk>,
+    pub durbin_watson: Option<f64>,
+    /// Two-sided; small if neighbours in run order are related.
+    pub durbin_watson_p: Option<f64>,
+    pub suspects: Vec<Suspect>,
+}
+
+/// Normality, independence in run order (the order of the design) and suspects at level `alpha`.
+///
+/// # Errors
+/// None that an analysis of this design would not have had.
+pub fn diagnose(design: &FactorialDesign, analysis: &Analysis, alpha: f64) -> Result<Diagnostics, Error> {
+    if analysis.full.residual_df == 0 || analysis.full.perfect {
+        return Ok(Diagnostics { normality: None, durbin_watson: None, durbin_watson_p: None, suspects: Vec::new() });
+    }
+    let used = design.subset(&analysis.used_runs);
+    let basis = used.regressors_of(&used.term_factors(), used.has_centre())?.decompose().basis();
+    let d = durbin_watson(&analysis.full.residuals);
+    Ok(Diagnostics {
+        normality: shapiro_wilk(&analysis.full.residuals),
+        durbin_watson: d,
+        durbin_watson_p: d.and_then(|d| durbin_watson_p(d, &basis)),
+        suspects: suspects(analysis, alpha),
+    })
+}
+
 /// The analysis without the runs that [`suspects`] finds in the first one, to lay beside it; `None` if there are none.
 ///
 /// # Errors
@@ -201,4 +245,37 @@ pub fn without_suspects(
     let mut kept = response.to_vec();
     suspects.iter().for_each(|suspect| kept[suspect.run] = None);
     analyse(design, &kept, options).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::variances::mean_and_variance;
+
+    #[test]
+    fn large_offsets_cost_nothing_but_the_rounding_of_the_values() {
+        // The rules of NIST's NumAcc1 … NumAcc4: mean, standard deviation and autocorrelation follow by hand.
+        let alternating = |offset: &str| -> Vec<f64> {
+            let parse = |tenth: u32| format!("{offset}.{tenth}").parse().unwrap();
+            std::iter::once(parse(2)).chain((0..1000).map(|i| parse(if i % 2 == 0 { 1 } else { 3 }))).collect()
+        };
+        let cases = [
+            (vec![10_000_001.0, 10_000_003.0, 10_000_002.0], 10_000_002.0, 1.0, -0.5, 1e-15),
+            (alternating("1"), 1.2, 0.1, -0.999, 1e-14),
+            // 1000000.1 is read with an error of up to 6e-11, that is 6e-10 of 0.1.
+            (alternating("1000000"), 1_000_000.2, 0.1, -0.999, 1e-9),
+            (alternating("10000000"), 10_000_000.2, 0.1, -0.999, 1e-8),
+        ];
+        for (values, mean, deviation, autocorrelation, tolerance) in cases {
+            let (found, variance) = mean_and_variance(&values);
+            assert!((found / mean - 1.0_f64).abs() < 1e-15);
+            assert!((variance.unwrap().sqrt() / deviation - 1.0_f64).abs() < tolerance, "{:?}", variance.map(f64::sqrt));
+            assert!((lag_one_autocorrelation(&values).unwrap() / autocorrelation - 1.0_f64).abs() < tolerance);
+        }
+    }
+
+    #[test]
+    fn normality_of_too_few_or_equal_values_cannot_be_tested() {
+        assert_eq!((shapiro_wilk(&[1.0, 2.0]), shapiro_wilk(&[3.0; 10]), durbin_watson(&[0.0, 0.0])), (None, None, None));
+    }
 }

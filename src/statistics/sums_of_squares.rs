@@ -28,18 +28,24 @@ pub enum Adjustment {
 pub fn factorial_anova(design: &FactorialDesign, response: &[f64], adjustment: Adjustment) -> Result<Vec<AnovaRow>, Error> {
     let terms = design.term_factors();
     let regressors = |subset: &[Vec<usize>]| design.regressors_of(subset, design.has_centre());
-    let full = regressors(&terms)?.decompose().fit(response)?;
+    let decomposition = regressors(&terms)?.decompose();
+    let full = decomposition.fit(response)?;
     let residual = (full.residual_df, full.residual_sum_of_squares);
     let mut rows = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(1) {
-        let others: Vec<Vec<usize>> = match adjustment {
+        let name = design.term_name(term);
+        let before: Vec<Vec<usize>> = match adjustment {
             Adjustment::Sequential => terms[..index].to_vec(),
             Adjustment::Hierarchical => terms.iter().filter(|other| !term.iter().all(|factor| other.contains(factor))).cloned().collect(),
             Adjustment::Partial => terms.iter().filter(|other| *other != term).cloned().collect(),
         };
-        let mut with = others.clone();
-        with.push(term.clone());
-        rows.push(extra(design.term_name(term), &regressors(&others)?, &regressors(&with)?, response)?);
+        // The last coefficient of a full-rank model carries its sum of squares: b²/(XᵀX)⁻¹.
+        let direct =
+            decomposition.terms().position(|known| known == name).filter(|_| adjustment == Adjustment::Partial && full.aliases.is_empty());
+        rows.push(match direct {
+            Some(i) => AnovaRow::new(name, 1, full.estimates[i].estimate.powi(2) / decomposition.inverse_gram(i, i)),
+            None => last_of(design, &before, term, response)?,
+        });
     }
     if design.has_centre() {
         rows.push(extra(CURVATURE.into(), &design.regressors_of(&terms, false)?, &regressors(&terms)?, response)?);
@@ -54,6 +60,18 @@ pub fn factorial_anova(design: &FactorialDesign, response: &[f64], adjustment: A
     }
     rows.push(AnovaRow::new("residual", residual.0, residual.1));
     Ok(rows)
+}
+
+/// What a term explains beyond the terms before it, the curvature and the blocks.
+fn last_of(design: &FactorialDesign, before: &[Vec<usize>], term: &[usize], response: &[f64]) -> Result<AnovaRow, Error> {
+    let decomposition =
+        design.regressors_of(before, design.has_centre())?.with_column(design.term_name(term), design.column(term)).decompose();
+    let name = design.term_name(term);
+    let parts = decomposition.sequential_sums_of_squares(response)?;
+    Ok(parts
+        .into_iter()
+        .find(|(known, _)| *known == name)
+        .map_or_else(|| AnovaRow::new(&name, 0, 0.0), |(_, part)| AnovaRow::new(&name, 1, part)))
 }
 
 /// What the larger model explains beyond the smaller one it contains.
