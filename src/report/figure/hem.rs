@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::sheet::{self, Area, BLUE, Chart, Drawn, Frame, GREY, INK, SMALL, VERMILLION, chart, dashed, line, solid, steps};
+use super::sheet::{self, Area, BLUE, Chart, Drawn, Frame, GREY, INK, SMALL, VERMILLION, chart, dashed, line, solid, steps, underlay};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::fit::HemFit;
@@ -97,25 +97,25 @@ fn paint(area: &Area<'_>, view: &View) -> Drawn {
     let mut hem = chart(&plot, &frame)?;
     let magnified = whiskers(&mut hem, view)?;
     if view.is_dense() {
-        curves(&mut hem, view, 0.6, 1)?;
+        curves(&mut hem, view, underlay(BLUE, 0.8), 0.6, 1)?;
         solid(&mut hem, &closed(&view.measured, 1), line(INK, 0.2))?;
     } else {
-        curves(&mut hem, view, 0.45, 1)?;
+        curves(&mut hem, view, line(BLUE, 0.45), 0.45, 1)?;
         sheet::dots(&mut hem, &centimetres(&view.measured), 0.45, INK)?;
     }
     hem.draw_series(std::iter::once(Cross::new((cx, cy), steps(1.0), line(GREY, 0.2))))?;
     legend(area, view, top + side + below + 2.0, magnified)
 }
 
-/// The predicted and the fitted line, every `stride`th of their points, `width` mm.
-pub fn curves(chart: &mut Chart<'_, '_>, view: &View, width: f64, stride: usize) -> Drawn {
+/// The predicted line, `width` mm, and the fitted one, every `stride`th of their points.
+pub fn curves(chart: &mut Chart<'_, '_>, view: &View, fitted_line: ShapeStyle, width: f64, stride: usize) -> Drawn {
     let predicted = closed(&view.predicted, stride * (view.predicted.len() / NODES).max(1));
     if !predicted.is_empty() {
         dashed(chart, &predicted, line(VERMILLION, 0.8 * width), 5.0 * width, 3.0 * width)?;
     }
     let fitted = closed(&view.fitted, stride);
     if !fitted.is_empty() {
-        solid(chart, &fitted, line(BLUE, width))?;
+        solid(chart, &fitted, fitted_line)?;
     }
     Ok(())
 }
@@ -148,7 +148,8 @@ fn legend(area: &Area<'_>, view: &View, y: f64, magnified: Option<u32>) -> Drawn
     sheet::text_left(area, "measured", x + 3.5, y, SMALL, INK)?;
     x += 19.0;
     if !view.fitted.is_empty() {
-        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 4.5), steps(y))], line(BLUE, 0.45)))?;
+        let style = if view.is_dense() { underlay(BLUE, 0.8) } else { line(BLUE, 0.45) };
+        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 4.5), steps(y))], style))?;
         sheet::text_left(area, "fitted", x + 5.5, y, SMALL, INK)?;
         x += 15.5;
     }

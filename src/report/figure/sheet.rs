@@ -79,6 +79,11 @@ pub fn line(color: RGBColor, width: f64) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: false, stroke_width: (width * GRID).round().max(1.0) as u32 }
 }
 
+/// A broad line in a lighter shade, for a thin dark one to lie on: the two stay apart in grey too.
+pub fn underlay(color: RGBColor, width: f64) -> ShapeStyle {
+    ShapeStyle { color: color.mix(0.5), ..line(color, width) }
+}
+
 /// A filled shape.
 pub fn fill(color: RGBColor) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: true, stroke_width: 0 }
