@@ -102,31 +102,6 @@ fn a_campaign_without_regressions_theory_or_cloth_still_has_a_document() {
 }
 
 #[test]
-fn where_the_time_of_a_report_goes_is_printed() {
-    let study = sample::study();
-    let mut spent = vec![];
-    let mut clock = std::time::Instant::now();
-    let mut lap = |name: &str| {
-        spent.push(format!("{name} {:.0} ms", 1e3 * clock.elapsed().as_secs_f64()));
-        clock = std::time::Instant::now();
-    };
-    let gallery = gallery::draw(&study).unwrap();
-    lap("figures");
-    let first = document::pdf(&study, &gallery, &provenance()).unwrap();
-    lap("document");
-    let second = document::pdf(&study, &gallery, &provenance()).unwrap();
-    lap("again");
-    let tiny = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"84mm\" height=\"95mm\"/>".to_string();
-    let empty = gallery.keys().map(|k| (k.clone(), tiny.clone())).collect();
-    document::pdf(&study, &empty, &provenance()).unwrap();
-    lap("empty figures");
-    let pictures = rasterize(&gallery).unwrap();
-    lap("pictures");
-    println!("{}; {} figures, {} bytes of PDF", spent.join(", "), pictures.len(), first.len());
-    assert_eq!(first, second);
-}
-
-#[test]
 fn every_column_and_key_is_described_in_the_docs() {
     let docs = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results.md")).unwrap();
     let summary = summary::summary(&sample::study(), &provenance());
