@@ -121,3 +121,20 @@ fn every_column_and_key_is_described_in_the_docs() {
         assert!(described(column), "fits.csv: {column}");
     }
 }
+
+#[test]
+fn a_campaign_in_which_everything_failed_still_has_a_document() {
+    let mut study = sample::study();
+    for run in &mut study.runs {
+        run.profile = None;
+        run.fit = Err("the profile was set aside".into());
+        (run.prediction, run.prediction_at_fitted_folds, run.comparison) = (None, None, None);
+        run.lambda = Default::default();
+    }
+    for regression in &mut study.regressions {
+        regression.analysis = Err("no run has this number".into());
+    }
+    let gallery = gallery::draw(&study).unwrap();
+    assert!(document::pdf(&study, &gallery, &Provenance::default()).unwrap().starts_with(b"%PDF"));
+    assert!(!summary::summary(&study, &Provenance::default()).to_string().contains("NaN"));
+}
