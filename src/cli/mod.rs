@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod fit;
+pub mod init;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -36,6 +37,7 @@ enum Command {
     Predict(predict::Predict),
     Regress(regress::Regress),
     Check(check::Check),
+    Init(init::Init),
 }
 
 /// Parses the command line and runs it.
@@ -47,6 +49,7 @@ pub fn run() -> ExitCode {
         Command::Predict(args) => predict::run(&args),
         Command::Regress(args) => regress::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Init(args) => init::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");
