@@ -387,7 +387,7 @@ fn slips_in_the_table_are_named_with_their_row_and_what_was_meant() {
         ("[check]\ntheory_rms = 10\n", (2, "did you mean “theory_rms_mm”?")),
         ("[check]\ntheory_rms_mm = -1\n", (2, "it must be positive")),
         ("[check]\nalpha = 1.5\n", (2, "between 0 and 1")),
-        ("[check]\nresponses = [\"q\"]\n", (2, "known are “p”")),
+        ("[check]\nresponses = [\"q\"]\n", (2, "Known are “p”")),
         ("[[check.expected]]\ncheck = \"normalty\"\nresponses = [\"p\"]\nreason = \"r\"\n", (1, "did you mean “normality”?")),
         ("[[check.expected]]\ncheck = \"normality\"\nruns = [\"1\"]\nreason = \"r\"\n", (1, "is about responses")),
         ("[[check.expected]]\ncheck = \"fitted\"\nruns = [\"99\"]\nreason = \"r\"\n", (1, "there is no run “99”")),

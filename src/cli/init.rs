@@ -172,7 +172,7 @@ label = "NAME"      # in words, for the report
 unit = ""           # of low and high
 low = 0             # ← natural level at −1
 high = 0            # ← natural level at +1
-levels = "coded"    # the column holds −1 and 1; "natural": it holds low and high
+levels = "coded"    # the column holds −1 and 1; "natural": it holds low and high. Centre points: 0, or the middle, in all factors
 "#;
 
 const ANALYSIS: &str = r#"
@@ -185,10 +185,25 @@ const ANALYSIS: &str = r#"
 # hem_length = "auto"           # "free", or hem_length_cm = 94.2 to hold the fitted curve at that length
 # gravity_m_s2 = 9.81
 # foundation_modulus_n_m3 = 0   # E of the functional
+# block = "day"                 # the column of design.csv that says what was done together (day, operator, bolt of cloth …); none unless told
 
 [profiles]
 # scale_mm_per_px = 1.383       # needed for pictures (PNG, JPEG): side of a pixel on the cloth
 # object = "auto"               # "dark", "light", or "auto": what the margin of the picture is not
+
+# What `hemline check` holds the campaign to; theory is not asked unless a limit is set.
+[check]
+# alpha = 0.05                  # level of the tests
+# responses = [USUAL]
+# drift_standard_errors = 1.0   # how far an estimate may be from the baseline
+# theory_rms_mm = 20            # how far the points of a run may be from its predicted hem
+# theory_fold_depth_mm = 10
+# theory_mean_radius_mm = 10
+# theory_fold_count_off = 1
+# [[check.expected]]            # a failure that is known and accepted, with the reason
+# check = "normality"
+# responses = ["m"]             # or runs = ["17"], for checks of runs
+# reason = "the fold count is a small integer"
 "#;
 
 const PROFILES: &str = r#"# One outline per run
@@ -302,8 +317,9 @@ mod tests {
             fs::write(args.dir.join(format!("profiles/run_{run}.csv")), String::from("x_cm,y_cm\n") + &rows).expect("writable");
         }
         let default = import::load(&args.dir).unwrap_or_else(|e| panic!("{e}")).campaign;
+        assert_eq!(default.check.theory_rms, None);
         edit(args.dir.join("campaign.toml"), |text| {
-            ["responses", "alpha", "folds", "hem_length", "gravity_m_s2", "foundation_modulus_n_m3"]
+            ["responses", "alpha", "folds", "hem_length", "gravity_m_s2", "foundation_modulus_n_m3", "drift_standard_errors"]
                 .iter()
                 .fold(text, |text, key| text.replace(&format!("# {key} ="), &format!("{key} =")))
         });

@@ -40,7 +40,9 @@ pub struct Run {
     pub id: String,
     /// Replicate within its cell, as the table has it.
     pub replicate: Option<u32>,
-    /// Coded levels, one per factor, in the order of [`Design::factors`].
+    /// What it was done together with (day, operator, bolt of cloth …), where the campaign names a column for it.
+    pub block: Option<String>,
+    /// Coded levels, −1 and +1 at a corner and 0 at the centre, one per factor, in the order of [`Design::factors`].
     pub levels: Vec<f64>,
     /// The cut, where the campaign knows it.
     pub skirt: Option<Skirt>,

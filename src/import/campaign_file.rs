@@ -47,6 +47,8 @@ pub(super) struct CampaignFile {
     pub areal_density: Option<Quantity>,
     pub flexural_rigidity: Option<Quantity>,
     pub factors: Vec<(Factor, Levels)>,
+    /// The column of blocks.
+    pub block: Option<String>,
     pub responses: Vec<String>,
     pub alpha: f64,
     pub folds: Folds,
@@ -104,6 +106,7 @@ struct FactorEntry {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct Analysis {
+    block: Option<String>,
     responses: Option<Spanned<Vec<String>>>,
     alpha: Option<Spanned<f64>>,
     folds: Option<Spanned<FoldsGiven>>,
@@ -263,6 +266,7 @@ impl Reader<'_> {
             areal_density: cloth.remove("areal_density"),
             flexural_rigidity: cloth.remove("flexural_rigidity"),
             factors: self.factors(factors)?,
+            block: analysis.block,
             check: check.rules(self, alpha, &responses)?,
             responses,
             alpha,

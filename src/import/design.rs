@@ -90,7 +90,8 @@ fn missing_numbers(seen: &[(String, usize)]) -> Vec<usize> {
 /// What a person should know about the balance of the design.
 fn notes(design: &Design) -> Vec<String> {
     let mut cells: Vec<(Vec<f64>, usize)> = Vec::new();
-    for run in &design.runs {
+    // The centre is no corner: any number of runs there leaves the design balanced.
+    for run in design.runs.iter().filter(|run| !is_centre(&run.levels)) {
         match cells.iter_mut().find(|(levels, _)| *levels == run.levels) {
             Some((_, count)) => *count += 1,
             None => cells.push((run.levels.clone(), 1)),
@@ -108,10 +109,15 @@ fn notes(design: &Design) -> Vec<String> {
     notes
 }
 
+fn is_centre(levels: &[f64]) -> bool {
+    levels.iter().all(|level| *level == 0.0)
+}
+
 /// Where the quantities stand in the table.
 struct Columns {
     run: usize,
     replicate: Option<usize>,
+    block: Option<usize>,
     profile: usize,
     factors: Vec<usize>,
     geometry: Vec<Option<usize>>,
@@ -139,6 +145,7 @@ impl Columns {
         Ok(Columns {
             run: needed("run")?,
             replicate: position("replicate"),
+            block: file.block.as_ref().map(|name| named(name, "the block")).transpose()?,
             profile: needed("profile")?,
             factors: file.factors.iter().map(|(f, _)| named(&f.name, "a factor")).collect::<Result<_, _>>()?,
             geometry: file.geometry.iter().map(|q| of(q, "the geometry")).collect::<Result<_, _>>()?,
@@ -188,6 +195,29 @@ impl Reader<'_> {
                 }
             }
         }
+        if levels.contains(&0.0) && !is_centre(&levels) {
+            let written: Vec<&str> = self.columns.factors.iter().map(|&column| table.cell(row, column)).collect();
+            let problem = "the run is at the centre in some factors and at a level in others".into();
+            self.set_aside(
+                row,
+                Some(&id),
+                &written.join(", "),
+                problem,
+                "a two-level design has corners and centre points; correct the levels",
+            );
+            return None;
+        }
+        let block = self.columns.block.map(|column| table.cell(row, column).to_owned());
+        if let Some("") = block.as_deref() {
+            self.set_aside(
+                row,
+                Some(&id),
+                "",
+                "the run has no block".into(),
+                "name its block, as the other rows do; the run was set aside",
+            );
+            return None;
+        }
         let replicate = self.replicate(row, &id);
         let columns = self.columns.geometry.clone();
         let lengths: Vec<Option<f64>> = self.file.geometry.iter().zip(columns).map(|(q, column)| self.value(row, &id, q, column)).collect();
@@ -198,10 +228,10 @@ impl Reader<'_> {
         let flexural_rigidity = file.flexural_rigidity.as_ref().and_then(|q| self.value(row, &id, q, rigidity)).map(NewtonMetre);
         // Windows spreadsheets write backslashes.
         let profile = PathBuf::from(table.cell(row, self.columns.profile).replace('\\', "/"));
-        Some(Run { id, replicate, levels, skirt, fabric: Fabric { areal_density, flexural_rigidity }, profile })
+        Some(Run { id, replicate, block, levels, skirt, fabric: Fabric { areal_density, flexural_rigidity }, profile })
     }
 
-    /// The coded level that a cell says.
+    /// The coded level that a cell says: −1, +1, or 0 for the centre.
     fn level(&self, factor: &Factor, coding: Levels, cell: &str) -> Result<f64, (String, String)> {
         let value = self.numbers.read(cell).map_err(|problem| (problem, "correct it; the run was set aside".to_owned()))?;
         let coded = match coding {
@@ -212,6 +242,9 @@ impl Reader<'_> {
         if (coded.abs() - 1.0).abs() < 1e-6 {
             return Ok(coded.signum());
         }
+        if coded.abs() < 1e-6 {
+            return Ok(0.0);
+        }
         let Factor { name, low, high, .. } = factor;
         let other = (factor.coded(value).abs() - 1.0).abs() < 1e-6;
         Err(match coding {
@@ -219,7 +252,10 @@ impl Reader<'_> {
                 "is a natural level where a coded one is expected".into(),
                 format!("write levels = \"natural\" for factor “{name}” in campaign.toml"),
             ),
-            Levels::Coded => ("is no level of a two-level design".into(), "write −1 or 1; the run was set aside".into()),
+            Levels::Coded => (
+                "is no level of a two-level design".into(),
+                "write −1 or 1, or 0 in all factors for a centre point; the run was set aside".into(),
+            ),
             Levels::Natural if value.abs() == 1.0 => (
                 "is a coded level where a natural one is expected".into(),
                 format!("write levels = \"coded\" for factor “{name}” in campaign.toml"),

@@ -1,5 +1,6 @@
 //! Results → files; computes nothing.
 
+pub mod analysis_table;
 pub mod check;
 pub mod csv;
 pub mod date;
@@ -58,8 +59,8 @@ impl Default for Options {
     }
 }
 
-/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, `fits.csv`, `regression.csv`,
-/// `candidates.csv`, `predictions.csv`, `points.csv`, `quarantine.csv`, `summary.json`, `figures/*.png`.
+/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, the tables of
+/// [`table`] and [`analysis_table`] as CSV, `summary.json`, `figures/*.png`; docs/results.md describes them.
 ///
 /// Each file is written beside its place and then renamed: a file of the report is whole or not there.
 ///
@@ -69,16 +70,22 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     let gallery = gallery::draw(study)?;
     let pictures = if options.pictures { rasterize(&gallery)? } else { vec![] };
     let pdf = document::pdf(study, &gallery, &options.provenance)?;
-    let coefficients =
-        study.regressions.iter().filter_map(|r| Some((r.response.as_str(), r.analysis.as_ref().ok()?.coefficients.as_slice())));
     let mut summary = serde_json::to_string_pretty(&summary::summary(study, &options.provenance))
         .map_err(|error| Error::Output { what: "summary.json".into(), why: error.to_string() })?;
     summary.push('\n');
     let rows = || study.runs.iter().map(Into::into);
+    let (regressions, factors) = (study.regressions.as_slice(), study.campaign.design.factors.as_slice());
+    let ids: Vec<&str> = study.runs.iter().map(|run| run.run.id.as_str()).collect();
     let files = [
         ("report.pdf", pdf),
         ("fits.csv", table::fits(rows()).bytes()),
-        ("regression.csv", table::regression(coefficients).bytes()),
+        ("regression.csv", analysis_table::regression(regressions).bytes()),
+        ("weighted.csv", analysis_table::weighted(regressions).bytes()),
+        ("diagnostics.csv", analysis_table::diagnostics(regressions, &ids).bytes()),
+        ("power.csv", analysis_table::power(regressions).bytes()),
+        ("ascent.csv", analysis_table::ascent(regressions, factors).bytes()),
+        ("next_runs.csv", analysis_table::next_runs(regressions, factors).bytes()),
+        ("theory_effects.csv", analysis_table::theory_effects(regressions).bytes()),
         ("candidates.csv", table::candidates(rows()).bytes()),
         ("predictions.csv", table::predictions(&study.runs).bytes()),
         ("points.csv", table::points(rows()).bytes()),

@@ -63,6 +63,7 @@ fn run(line: &str) -> Run {
     Run {
         id: cells[0].into(),
         replicate: Some(number(1) as u32),
+        block: None,
         levels: vec![number(2), number(3), number(4)],
         skirt: Some(Skirt::new(Metre(0.121), Metre(number(7) * CENTIMETRE), Metre(0.53)).unwrap()),
         fabric: Fabric {

@@ -5,8 +5,11 @@
 
 use serde_json::{Value, json};
 
+use super::analysis_table::{agreement, goal};
 use super::{Provenance, note, words};
+use crate::statistics::effects::EffectComparison;
 use crate::study::campaign::{CampaignStudy, Regression, RunStudy};
+use crate::study::further::Way;
 use crate::study::overview::overview;
 use crate::units::MILLIMETRE;
 
@@ -58,7 +61,7 @@ fn run(study: &RunStudy) -> Value {
 }
 
 fn regression(regression: &Regression) -> Value {
-    let analysis = regression.analysis.as_ref().ok();
+    let (analysis, further) = (regression.analysis.as_ref().ok(), regression.further.as_ref().ok());
     json!({
         "response": regression.response,
         "unit": words::response(&regression.response).unit,
@@ -69,7 +72,35 @@ fn regression(regression: &Regression) -> Value {
         "equal_variances": analysis.and_then(|a| a.equal_variances.as_ref()),
         "adequacy": analysis.and_then(|a| a.adequacy.as_ref()),
         "r_squared": analysis.and_then(|a| a.full.r_squared()),
+        "curvature": analysis.and_then(|a| a.curvature.as_ref()),
+        "blocks": analysis.map(|a| &a.blocks),
+        "diagnostics": further.map(|f| &f.diagnostics),
+        "permutation": further.map(|f| &f.permutation),
+        "box_cox": further.and_then(|f| f.box_cox),
+        "power": further.map(|f| &f.detectable),
+        "steepest": further.map(|f| f.ways.iter().map(way).collect::<Vec<_>>()),
+        "next_runs": further.map(|f| &f.next_runs),
+        "weighted": further.and_then(|f| f.weighted.as_ref()),
+        "theory": further.and_then(|f| f.theory.as_ref().ok()).map(|terms| terms.iter().map(theory).collect::<Vec<_>>()),
+        "theory_missing": further.and_then(|f| f.theory.as_ref().err()),
         "notes": analysis.map(|a| &a.notes),
         "failure": regression.analysis.as_ref().err(),
+    })
+}
+
+fn way(way: &Way) -> Value {
+    json!({ "goal": goal(way.goal), "path": way.path.as_ref().ok(), "missing": way.path.as_ref().err() })
+}
+
+fn theory(c: &EffectComparison) -> Value {
+    json!({
+        "term": c.term,
+        "measured": c.measured.estimate,
+        "measured_se": c.measured.se,
+        "predicted": c.predicted,
+        "difference": c.difference.estimate,
+        "difference_se": c.difference.se,
+        "difference_p": c.difference.p,
+        "agreement": agreement(c.agreement),
     })
 }

@@ -7,7 +7,6 @@ use crate::experiment::Quarantined;
 use crate::fit::lambda::Lambda;
 use crate::fit::{Estimate, HemFit, Termination};
 use crate::simulate;
-use crate::statistics::box_wilson::Coefficient;
 use crate::study::campaign::RunStudy;
 use crate::units::{MILLIMETRE, PERCENT};
 
@@ -183,29 +182,6 @@ fn fit_notes(fit: &Result<HemFit, String>) -> Vec<String> {
         Ok(fit) => note::of_fit(fit),
         Err(reason) => vec![format!("No fit: {}.", reason.trim_end_matches('.'))],
     }
-}
-
-/// `regression.csv`: one row for each response and term, in coded units.
-pub fn regression<'a>(responses: impl IntoIterator<Item = (&'a str, &'a [Coefficient])>) -> Table {
-    let columns = ["response", "term", "estimate", "se", "t", "p", "ci_low", "ci_high", "p_holm", "significant"];
-    let mut table = Table::new(&columns);
-    for (response, coefficients) in responses {
-        for c in coefficients {
-            table.push(vec![
-                response.into(),
-                c.term.as_str().into(),
-                c.estimate.into(),
-                c.se.into(),
-                c.t.into(),
-                c.p.into(),
-                c.ci_low.into(),
-                c.ci_high.into(),
-                c.p_holm.into(),
-                c.significant.into(),
-            ]);
-        }
-    }
-    table
 }
 
 /// `quarantine.csv`: what was set aside, where it stood, and what would be right.

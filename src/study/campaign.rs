@@ -2,8 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::as_measured::as_measured;
 use super::comparison::{Comparison, compare};
+use super::further::{self, Further, Series};
 use super::response;
+use crate::experiment::campaign::Response;
 use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Skirt, Source};
 use crate::fit::lambda::{Lambda, lambda};
 use crate::fit::{self, HemFit};
@@ -41,6 +44,8 @@ pub struct Regression {
     pub values: Vec<Option<f64>>,
     /// The analysis, or why there is none.
     pub analysis: Result<Analysis, String>,
+    /// What goes beyond it, or why there is nothing.
+    pub further: Result<Further, String>,
 }
 
 /// One campaign, analysed.
@@ -49,8 +54,6 @@ pub struct CampaignStudy {
     pub campaign: Campaign,
     /// In run order.
     pub runs: Vec<RunStudy>,
-    /// The runs in coded units, or why they make no factorial.
-    pub design: Result<FactorialDesign, String>,
     /// In the order that the campaign asks for.
     pub regressions: Vec<Regression>,
     /// What was set aside on reading.
@@ -92,36 +95,53 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
         notes.push(format!("no regression: {reason}"));
     }
     let regressions = regress(&campaign, &design, &runs);
-    CampaignStudy { campaign, runs, design, regressions, quarantine, sources, notes }
+    CampaignStudy { campaign, runs, regressions, quarantine, sources, notes }
 }
 
-fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> RunStudy {
-    let mut study = RunStudy {
-        run: run.clone(),
-        profile,
-        fit: Err("the profile was set aside; the quarantine says why".into()),
-        lambda: Lambda::default(),
-        drape_coefficient: None,
-        prediction: None,
-        prediction_at_fitted_folds: None,
-        prediction_missing: None,
-        comparison: None,
-    };
-    let Some(profile) = &study.profile else { return study };
+impl RunStudy {
+    /// A run of which nothing is known yet but its profile.
+    pub(super) fn of(run: Run, profile: Option<DrapeProfile>) -> Self {
+        RunStudy {
+            run,
+            profile,
+            fit: Err("the profile was set aside; the quarantine says why".into()),
+            lambda: Lambda::default(),
+            drape_coefficient: None,
+            prediction: None,
+            prediction_at_fitted_folds: None,
+            prediction_missing: None,
+            comparison: None,
+        }
+    }
+}
+
+/// How the campaign wants a run of its to be fitted.
+pub(super) fn fit_options(campaign: &Campaign, run: &Run) -> fit::Options {
     // A skirt's hem hangs nearly level, so its plan view is as long as the cloth was cut; the edge on a drape tester rises and falls.
     let cut = run.skirt.as_ref().filter(|_| campaign.apparatus == Apparatus::Skirt);
     let cut_length = cut.map(|skirt| std::f64::consts::TAU * skirt.hem_radius().0);
-    let options = fit::Options { folds: campaign.folds, length: campaign.hem_length, cut_length, ..fit::Options::default() };
-    study.fit = fit::fit(profile, &options).map_err(|e| e.to_string());
+    fit::Options { folds: campaign.folds, length: campaign.hem_length, cut_length, ..fit::Options::default() }
+}
+
+/// Fits the profile and takes everything from the fit that needs no theory.
+pub(super) fn measure(campaign: &Campaign, study: &mut RunStudy, options: &fit::Options) {
+    let (Some(profile), run) = (&study.profile, &study.run) else { return };
+    study.fit = fit::fit(profile, options).map_err(|e| e.to_string());
     study.drape_coefficient =
         run.skirt.as_ref().filter(|_| campaign.apparatus == Apparatus::Drapemeter).map(|s| drape_coefficient(s, profile.points()));
-    let Ok(fitted) = &study.fit else { return study };
+    let Ok(fitted) = &study.fit else { return };
     if fitted.folds.is_some() {
         study.lambda =
             lambda(&fitted.hem, fitted.covariance.as_ref(), run.skirt.as_ref(), &run.fabric, campaign.gravity, campaign.foundation_modulus);
     } else {
         study.lambda.missing = Some("the outline is round: no fold stores energy".into());
     }
+}
+
+fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> RunStudy {
+    let mut study = RunStudy::of(run.clone(), profile);
+    measure(campaign, &mut study, &fit_options(campaign, run));
+    let (Some(profile), Ok(fitted)) = (&study.profile, &study.fit) else { return study };
     let Some(skirt) = &run.skirt else {
         study.prediction_missing = Some("the cut is not known".into());
         return study;
@@ -159,28 +179,22 @@ fn factorial(campaign: &Campaign) -> Result<FactorialDesign, String> {
     }
     let axes = design.factors.iter().map(|f| Axis { name: f.name.clone(), low: f.low, high: f.high }).collect();
     let levels = design.runs.iter().map(|run| run.levels.clone()).collect();
-    FactorialDesign::new(axes, levels).map_err(|e| e.to_string())
+    let blocks: Option<Vec<String>> = design.runs.iter().map(|run| run.block.clone()).collect();
+    let factorial = FactorialDesign::new(axes, levels);
+    let factorial = match blocks {
+        Some(blocks) => factorial.and_then(|design| design.with_blocks(blocks)),
+        None => factorial,
+    };
+    factorial.map_err(|e| e.to_string())
 }
 
 fn regress(campaign: &Campaign, design: &Result<FactorialDesign, String>, runs: &[RunStudy]) -> Vec<Regression> {
     let weighed = response::weighed(campaign);
     let options = box_wilson::Options { alpha: campaign.alpha };
-    let mut studies: Vec<Regression> = campaign
-        .responses
-        .iter()
-        .filter_map(|name| response::named(name, weighed))
-        .map(|response| {
-            let values: Vec<Option<f64>> = runs.iter().map(|run| response::value(&response, run)).collect();
-            let analysis = match design {
-                Ok(design) if values.iter().any(Option::is_some) => {
-                    box_wilson::analyse(design, &values, &options).map_err(|e| e.to_string())
-                }
-                Ok(_) => Err("no run has this number".into()),
-                Err(reason) => Err(reason.clone()),
-            };
-            Regression { response: response.column.to_string(), values, analysis }
-        })
-        .collect();
+    let predicted: Vec<Option<RunStudy>> = runs.par_iter().map(|run| as_measured(campaign, run)).collect();
+    let responses: Vec<Response> = campaign.responses.iter().filter_map(|name| response::named(name, weighed)).collect();
+    let mut studies: Vec<Regression> =
+        responses.into_par_iter().map(|response| regression(&response, design, runs, &predicted, &options)).collect();
     let mut analyses: Vec<Analysis> = studies.iter().filter_map(|s| s.analysis.as_ref().ok().cloned()).collect();
     family::adjust(&mut analyses);
     let mut adjusted = analyses.into_iter();
@@ -190,4 +204,31 @@ fn regress(campaign: &Campaign, design: &Result<FactorialDesign, String>, runs: 
         }
     }
     studies
+}
+
+fn regression(
+    response: &Response,
+    design: &Result<FactorialDesign, String>,
+    runs: &[RunStudy],
+    predicted: &[Option<RunStudy>],
+    options: &box_wilson::Options,
+) -> Regression {
+    let measured: Vec<Option<f64>> = runs.iter().map(|run| response::value(response, run)).collect();
+    let series = Series {
+        standard_errors: runs.iter().map(|run| response::standard_error(response, run)).collect(),
+        predicted: response::predicted(response, runs, predicted),
+        measured,
+    };
+    let analysis = match design {
+        Ok(design) if series.measured.iter().any(Option::is_some) => {
+            box_wilson::analyse(design, &series.measured, options).map_err(|e| e.to_string())
+        }
+        Ok(_) => Err("no run has this number".into()),
+        Err(reason) => Err(reason.clone()),
+    };
+    let further = match (design, &analysis) {
+        (Ok(design), Ok(analysis)) => further::further(design, &series, analysis, options).map_err(|e| e.to_string()),
+        (_, Err(reason)) | (Err(reason), _) => Err(reason.clone()),
+    };
+    Regression { response: response.column.to_string(), values: series.measured, analysis, further }
 }

@@ -8,7 +8,7 @@ use crate::experiment::CheckRules;
 use crate::experiment::check::Question;
 use crate::fit::Termination;
 use crate::statistics::box_wilson::{Analysis, ErrorSource};
-use crate::statistics::residuals::{Diagnostics, diagnose};
+use crate::statistics::residuals::Diagnostics;
 
 /// What a judgement is about.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -178,9 +178,9 @@ fn responses(study: &CampaignStudy, rules: &CheckRules) -> Vec<Judgement> {
             Some(Err(reason)) => Err(reason.clone()),
             None => Err("it is not regressed".to_string()),
         };
-        let diagnostics = match (&study.design, &analysis) {
-            (Ok(design), Ok(analysis)) => diagnose(design, analysis, rules.alpha).map_err(|e| e.to_string()),
-            (Err(reason), _) | (_, Err(reason)) => Err(reason.clone()),
+        let diagnostics = match regression.map(|r| &r.further) {
+            Some(further) => further.as_ref().map(|f| &f.diagnostics).map_err(String::clone),
+            None => Err("it is not regressed".into()),
         };
         for question in Question::ALL.into_iter().filter(|q| q.of_responses()) {
             let answer = match (&analysis, &diagnostics) {

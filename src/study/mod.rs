@@ -1,8 +1,10 @@
 //! Questions that need several layers at once.
 
+mod as_measured;
 pub mod baseline;
 pub mod campaign;
 pub mod check;
 pub mod comparison;
+pub mod further;
 pub mod overview;
 pub mod response;

@@ -39,3 +39,35 @@ pub fn value(response: &Response, run: &RunStudy) -> Option<f64> {
         _ => None,
     }
 }
+
+/// The standard error that the fit of a run gives a response, in the unit of its column; `None` where it gives none.
+pub fn standard_error(response: &Response, run: &RunStudy) -> Option<f64> {
+    let fit = run.fit.as_ref().ok()?;
+    let estimate = match response.name {
+        "p" => Some(fit.p),
+        "q" => fit.q,
+        "s" => fit.s,
+        "lambda" => return run.lambda.first_integral.and_then(|(estimate, _)| estimate.standard_error),
+        "lambda_over_weight" => return run.lambda.over_weight.and_then(|(estimate, _)| estimate.standard_error),
+        "lambda_ritz" => return run.lambda.ritz.and_then(|(estimate, _)| estimate.standard_error),
+        "lambda_ruled" => return run.lambda.ruled.and_then(|(estimate, _)| estimate.standard_error),
+        _ => None,
+    };
+    estimate.and_then(|e| e.standard_error).map(|metres| metres / MILLIMETRE)
+}
+
+/// The response of the predicted hem of each run, `as_measured` being that hem treated like a measured one; or why theory has no such response.
+pub fn predicted(response: &Response, runs: &[RunStudy], as_measured: &[Option<RunStudy>]) -> Result<Vec<Option<f64>>, String> {
+    if matches!(response.name, "rms" | "explained" | "theory_gap") {
+        return Err("it tells how well a curve meets measured points, which theory does not predict".into());
+    }
+    if runs.iter().all(|run| run.prediction.is_none()) {
+        let why = runs.iter().find_map(|run| run.prediction_missing.clone());
+        return Err(why.unwrap_or_else(|| "nothing is predicted".into()));
+    }
+    Ok(match response.name {
+        // Also where no curve can be fitted to the predicted hem.
+        "m" => runs.iter().map(|run| run.prediction.as_ref().map(|p| f64::from(p.folds))).collect(),
+        _ => as_measured.iter().map(|run| value(response, run.as_ref()?)).collect(),
+    })
+}

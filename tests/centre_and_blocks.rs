@@ -1,0 +1,95 @@
+//! Centre points and blocks of a campaign, from design.csv to regression.csv.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use hemline::model::hem::{Hem, Placement};
+use hemline::units::MILLIMETRE;
+use tempfile::TempDir;
+
+/// Levels of a and b in natural units, block, and p in mm; written to `folder` as a campaign.
+fn campaign(rows: &[(f64, f64, &str, f64)]) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let toml = "title = \"Trial\"\norigin = \"made by tests/centre_and_blocks.rs\"\napparatus = \"drapemeter\"\n\
+[geometry]\nsupport_radius_cm = 9\nspecimen_radius_cm = 18\n\
+[[factors]]\nname = \"a\"\nlow = 10\nhigh = 20\nlevels = \"natural\"\n[[factors]]\nname = \"b\"\nlow = -1\nhigh = 1\n\
+[analysis]\nresponses = [\"p\"]\nfolds = 6\nhem_length = \"free\"\nblock = \"day\"\n";
+    fs::write(folder.path().join("campaign.toml"), toml).expect("written");
+    let mut design = String::from("run,day,a,b,profile\n");
+    for (i, (a, b, day, p)) in rows.iter().enumerate() {
+        design += &format!("{},{day},{a},{b},p{i}.csv\n", i + 1);
+        let hem = Hem { p: p * MILLIMETRE, q: 20.0 * MILLIMETRE, s: 2.0 * MILLIMETRE, folds: 6 };
+        let points = hem.outline(&Placement::ORIGIN, 60);
+        let text: String = points.iter().map(|point| format!("{},{}\n", point.x / MILLIMETRE, point.y / MILLIMETRE)).collect();
+        fs::write(folder.path().join(format!("p{i}.csv")), format!("x_mm,y_mm\n{text}")).expect("written");
+    }
+    fs::write(folder.path().join("design.csv"), design).expect("written");
+    folder
+}
+
+fn run(folder: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hemline"));
+    command.arg("run").arg(folder).arg("--out").arg(folder.join("report")).arg("--no-pictures");
+    command.output().expect("the program runs")
+}
+
+/// Estimate and p of a term.
+fn term(folder: &Path, name: &str) -> (f64, f64) {
+    let table = fs::read_to_string(folder.join("report/regression.csv")).expect("a table");
+    let row = table.lines().find(|line| line.starts_with(&format!("p_mm,{name},"))).unwrap_or_else(|| panic!("{name} is not in {table}"));
+    let cell = |i: usize| row.split(',').nth(i).and_then(|c| c.parse().ok()).expect("a number");
+    (cell(2), cell(5))
+}
+
+/// p = 150 + 3 a + 2 b at the corners, 5 mm more at the centre, 1 mm more on Tuesday than the mean of the days; scatter ±0.1 that cancels in each
+/// cell of each day.
+fn rows() -> Vec<(f64, f64, &'static str, f64)> {
+    let mut rows = vec![];
+    for (day, of_day) in [("Monday", -1.0), ("Tuesday", 1.0)] {
+        for (scatter, (a, b)) in [0.1, -0.1].into_iter().flat_map(|e| [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|x| (e, x)))
+        {
+            rows.push((15.0 + 5.0 * a, b, day, 150.0 + 3.0 * a + 2.0 * b + of_day + scatter));
+        }
+        rows.extend([0.1, -0.1].map(|scatter| (15.0, 0.0, day, 155.0 + of_day + scatter)));
+    }
+    rows
+}
+
+#[test]
+fn curvature_and_blocks_are_estimated_apart_from_the_effects() {
+    let folder = campaign(&rows());
+    let output = run(folder.path());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    // The outlines are exact, and the fit ends within 1e-6 mm.
+    for (name, exact) in [("1", 150.0), ("a", 3.0), ("b", 2.0), ("a:b", 0.0), ("curvature", 5.0), ("block Monday", -1.0)] {
+        let (estimate, p) = term(folder.path(), name);
+        assert!((estimate - exact).abs() < 1e-5, "{name}: {estimate}");
+        assert_eq!(p < 0.01, exact != 0.0, "{name}: p = {p}");
+    }
+    assert!(fs::read(folder.path().join("report/report.pdf")).expect("a report").starts_with(b"%PDF"));
+    let summary = fs::read_to_string(folder.path().join("report/summary.json")).expect("a summary");
+    assert!(!summary.contains("unbalanced"), "four runs at the centre do not unbalance the corners");
+}
+
+#[test]
+fn a_level_between_and_a_run_without_a_block_are_set_aside_with_a_reason() {
+    let mut rows = rows();
+    (rows[1].1, rows[2].2) = (0.0, "");
+    let folder = campaign(&rows);
+    let output = run(folder.path());
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(said.contains("row 3") && said.contains("at the centre in some factors"), "{said}");
+    assert!(said.contains("row 4") && said.contains("the run has no block"), "{said}");
+}
+
+#[test]
+fn a_block_column_that_is_not_there_is_named() {
+    let folder = campaign(&rows());
+    let design = fs::read_to_string(folder.path().join("design.csv")).expect("read").replace("run,day", "run,date");
+    fs::write(folder.path().join("design.csv"), design).expect("written");
+    let output = run(folder.path());
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(output.status.code() == Some(2) && said.contains("“day” for the block"), "{said}");
+}
