@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::circle::{self, Circle};
+use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, smooth};
-use super::matching::Matched;
 use super::start::{Start, matched};
 use super::trial::{Reached, Trial, Work};
 use crate::error::Error;

@@ -39,12 +39,15 @@ const BAND: f64 = 0.6;
 /// Rounds of warping and solving; the estimate is a start, or what is left when nothing else is sane, and settles within these.
 const ROUNDS: usize = 12;
 
+/// Relative error of the perimeter on the way, far below what a match is worth; the last curve has it to rounding.
+const ROUGH: f64 = 1e-5;
+
 /// Warps and solves in turn from `start`; holds the perimeter at `length` (m) if given.
 pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched {
     let samples = thinned(outline, start.hem.folds);
     let (mut hem, mut placement) = (start.hem, start.placement);
     if let Some(length) = length {
-        hem = stretched(hem, length);
+        hem = stretched(hem, length, ROUGH);
     }
     let mut best: Option<Matched> = None;
     let mut pin = None;
@@ -64,7 +67,10 @@ pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched 
     }
     let best = best.expect("at least one round");
     match length {
-        Some(length) if best.rms.is_finite() => simple(best, outline, &samples, start.offset, length),
+        Some(length) if best.rms.is_finite() => {
+            let best = simple(best, outline, &samples, start.offset, length);
+            Matched { hem: stretched(best.hem, length, 1e-13), ..best }
+        }
         _ => best,
     }
 }
@@ -73,7 +79,7 @@ pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched 
 ///
 /// Without lean the curve has one radius for each polar angle and cannot cross itself; its folds are deepened to keep the length.
 fn simple(best: Matched, outline: &Outline, samples: &[Point], offset: f64, length: f64) -> Matched {
-    let leaning = |share: f64| stretched(Hem { s: share * best.hem.s, ..best.hem }, length);
+    let leaning = |share: f64| stretched(Hem { s: share * best.hem.s, ..best.hem }, length, ROUGH);
     let tangled = |hem: &Hem| outline.crossings < hem_crossings(hem);
     if !tangled(&best.hem) {
         return best;
@@ -89,29 +95,29 @@ fn simple(best: Matched, outline: &Outline, samples: &[Point], offset: f64, leng
     Matched { hem, placement: best.placement, parameters: parameters(&pairs, samples.len()), rms }
 }
 
-/// The same curve with its folds deepened or flattened until its perimeter is `length`, as nearly as folds can do it.
-pub fn stretched(hem: Hem, length: f64) -> Hem {
+/// The same curve with its folds deepened or flattened until its perimeter is `length` to a relative `tolerance`, as nearly as folds can do it.
+pub fn stretched(hem: Hem, length: f64, tolerance: f64) -> Hem {
     // A curve without folds has none to deepen: a small one shows the direction.
     let hem = if hem.q.abs() + hem.s.abs() < 0.02 * hem.p { Hem { q: 0.02 * hem.p, ..hem } } else { hem };
     let scaled = |factor: f64| Hem { q: factor * hem.q, s: factor * hem.s, ..hem };
-    if length <= scaled(0.0).perimeter() {
-        let shrink = length / hem.perimeter();
+    if length <= scaled(0.0).perimeter_to(tolerance).0 {
+        let shrink = length / hem.perimeter_to(tolerance).0;
         return Hem { p: hem.p * shrink, q: hem.q * shrink, s: hem.s * shrink, ..hem };
     }
     // Perimeter grows with the factor, convexly: Newton from above descends monotonically.
     let mut factor = 1.0;
-    while scaled(factor).perimeter() < length {
+    while scaled(factor).perimeter_to(tolerance).0 < length {
         factor *= 2.0;
     }
     for _ in 0..30 {
-        let (perimeter, [_, by_q, by_s]) = scaled(factor).perimeter_gradient();
+        let (perimeter, [_, by_q, by_s]) = scaled(factor).perimeter_to(tolerance);
         let slope = by_q * hem.q + by_s * hem.s;
         let step = (perimeter - length) / slope;
         if !step.is_finite() {
             break;
         }
         factor -= step;
-        if step.abs() <= 1e-14 * factor {
+        if step.abs() <= tolerance * factor {
             break;
         }
     }
@@ -269,7 +275,7 @@ fn solve(samples: &[Point], pairs: &[Pair], hem: Hem, placement: Placement, leng
     let factor = normal.cholesky()?;
     let mut step = factor.solve(&right);
     if let Some(length) = length {
-        let (perimeter, [by_p, by_q, by_s]) = hem.perimeter_gradient();
+        let (perimeter, [by_p, by_q, by_s]) = hem.perimeter_to(ROUGH);
         let gradient = SVector::from([0.0, 0.0, 0.0, by_p, by_q, by_s]);
         let across = factor.solve(&gradient);
         step += across * ((length - perimeter - gradient.dot(&step)) / gradient.dot(&across));
@@ -280,7 +286,7 @@ fn solve(samples: &[Point], pairs: &[Pair], hem: Hem, placement: Placement, leng
     let next = Hem { p: hem.p + step[3], q: hem.q + step[4], s: hem.s + step[5], folds: hem.folds };
     let at = Placement { x0: placement.x0 + step[0], y0: placement.y0 + step[1], phase: placement.phase + step[2] };
     let next = match length {
-        Some(length) if next.p > 0.0 => stretched(next, length),
+        Some(length) if next.p > 0.0 => stretched(next, length, ROUGH),
         _ => next,
     };
     (next.p.is_finite() && next.q.is_finite() && next.s.is_finite()).then_some((next, at))

@@ -276,7 +276,7 @@ impl<'a> Work<'a> {
         if trial.beaten(reached.free) {
             return Trial { evaluations, ..Trial::not_pursued(start, trial.rms()) };
         }
-        let (hem, placement, feet) = self.feet_by_length(&Start { hem: stretched(start.hem, self.length()), ..start.clone() });
+        let (hem, placement, feet) = self.feet_by_length(&Start { hem: stretched(start.hem, self.length(), 1e-5), ..start.clone() });
         let again = self.orthogonal(hem, placement, feet, Some(self.length()), held);
         evaluations += again.evaluations;
         if again.broken.is_none() {
