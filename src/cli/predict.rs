@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::error::Error;
 use crate::experiment::{Fabric, Skirt};
-use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, predict};
+use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, graded, predict, ruled};
 use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 
 /// Predict how a conic skirt hangs, from its cut and its cloth; nothing is fitted.
@@ -37,15 +37,22 @@ pub struct Predict {
     /// Fold count: `auto` for the one of least energy, or a number from 2
     #[arg(long, default_value = "auto", value_name = "auto|M", value_parser = folds)]
     folds: Folds,
-    /// Theory: the exact ruled shell, the paper's curve p, q, s in the same energy, or the paper's equation (4)
+    /// Theory: graded (every ring inextensible, generatrices curve; nearest to a real skirt), ruled (generatrices straight), ansatz (the paper's
+    /// curve p, q, s in the ruled energy), polar (the paper's equation (4))
     #[arg(long, value_enum, default_value_t = Method::Ruled)]
     fidelity: Method,
     /// Foundation modulus E of the paper's functional, N/m³; equation (4) only
     #[arg(long, default_value_t = 0.0, value_name = "E")]
     foundation_n_m3: f64,
-    /// Harmonics of the hem's tangent angle, 1 to 32; eight are right to hundredths of a millimetre
-    #[arg(long, default_value_t = 8, value_name = "K")]
-    harmonics: usize,
+    /// Harmonics of the tangent angle; 8 unless told for ruled (up to 32), 3 for graded (up to 12)
+    #[arg(long, value_name = "K")]
+    harmonics: Option<usize>,
+    /// Modes of each harmonic over height, 2 to 24; graded only
+    #[arg(long, default_value_t = graded::MODES, value_name = "J")]
+    height_modes: usize,
+    /// Shear stiffness of the weave, N/m; graded only, 0 leaves shear free
+    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    shear_n_m: f64,
     /// Acceleration of free fall, m/s²
     #[arg(long, default_value_t = units::STANDARD_GRAVITY, value_name = "M_S2")]
     gravity_m_s2: f64,
@@ -60,6 +67,7 @@ enum Method {
     Polar,
     Ansatz,
     Ruled,
+    Graded,
 }
 
 fn folds(text: &str) -> Result<Folds, String> {
@@ -94,7 +102,11 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
     let fidelity = match args.fidelity {
         Method::Polar => Fidelity::Polar { foundation: args.foundation_n_m3 },
         Method::Ansatz => Fidelity::Ansatz,
-        Method::Ruled => Fidelity::Ruled { harmonics: args.harmonics },
+        Method::Ruled => Fidelity::Ruled { harmonics: args.harmonics.unwrap_or(ruled::HARMONICS) },
+        Method::Graded => {
+            let harmonics = args.harmonics.unwrap_or(graded::HARMONICS);
+            Fidelity::Graded { harmonics, modes: args.height_modes, shear: args.shear_n_m }
+        }
     };
     predict(&skirt, &fabric, &Options { fidelity, folds: args.folds, gravity: args.gravity_m_s2 })
 }
@@ -234,6 +246,8 @@ mod tests {
         let ansatz = of("ansatz");
         assert!((ansatz["p_m"].as_f64().unwrap() - 0.13152467).abs() < 1e-8 && ansatz["lambda_unit"] == "N");
         assert!(of("ruled").get("p_m").is_none());
+        let graded = of("graded");
+        assert_eq!((graded["folds"].as_u64(), graded["coefficients"].as_array().unwrap().len()), (Some(5), 3));
     }
 
     #[test]

@@ -101,22 +101,7 @@ impl RuledShell {
 
     /// The curve with coefficients `a`, for evaluation anywhere.
     pub fn curve(&self, a: &DVector<f64>) -> TangentHem {
-        let psi = &self.sines * a;
-        let half = psi.len() - 1;
-        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
-        let m = f64::from(self.folds);
-        let modes = (0..half).map(|j| {
-            // w_{±j} = C_j ± S_j: e^{iψ} has an even real and an odd imaginary part, so its coefficients are real.
-            let (mut even, mut odd) = (0.0, 0.0);
-            for n in 0..=half {
-                let (sin, cos) = table[n * j % (2 * half)];
-                even += self.weights[n] * psi[n].cos() * cos;
-                odd += self.weights[n] * psi[n].sin() * sin;
-            }
-            let (even, odd, jm) = (even / TAU, odd / TAU, m * j as f64);
-            if j == 0 { (self.hem * even, 0.0) } else { (self.hem * (even + odd) / (1.0 + jm), self.hem * (even - odd) / (1.0 - jm)) }
-        });
-        TangentHem { folds: self.folds, hem: self.hem, coefficients: a.iter().copied().collect(), modes: modes.collect() }
+        TangentHem::new(self.folds, self.hem, a.as_slice(), self.weights.len() - 1)
     }
 }
 
@@ -231,6 +216,27 @@ pub struct TangentHem {
 }
 
 impl TangentHem {
+    /// The closed curve of `folds` ≥ 2 folds and length 2π · `hem` (m) with coefficients a_1 … a_K, from `half` intervals in half a fold.
+    pub fn new(folds: u32, hem: f64, coefficients: &[f64], half: usize) -> Self {
+        let m = f64::from(folds);
+        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
+        let psi = |n: usize| coefficients.iter().enumerate().map(|(k, a)| a * table[n * (k + 1) % (2 * half)].0).sum::<f64>();
+        let turned: Vec<(f64, f64)> = (0..=half).map(|n| psi(n).sin_cos()).collect();
+        let weight = |n: usize| if n == 0 || n == half { 0.5 } else { 1.0 } / half as f64;
+        let modes = (0..half).map(|j| {
+            // w_{±j} = C_j ± S_j: e^{iψ} has an even real and an odd imaginary part, so its coefficients are real.
+            let (mut even, mut odd) = (0.0, 0.0);
+            for (n, (sin_psi, cos_psi)) in turned.iter().enumerate() {
+                let (sin, cos) = table[n * j % (2 * half)];
+                even += weight(n) * cos_psi * cos;
+                odd += weight(n) * sin_psi * sin;
+            }
+            let jm = m * j as f64;
+            if j == 0 { (hem * even, 0.0) } else { (hem * (even + odd) / (1.0 + jm), hem * (even - odd) / (1.0 - jm)) }
+        });
+        TangentHem { folds, hem, coefficients: coefficients.to_vec(), modes: modes.collect() }
+    }
+
     /// h(φ) and dh/dφ at φ = mσ, m.
     fn turning(&self, phi: f64) -> ((f64, f64), (f64, f64)) {
         let (mut x, mut y) = (0.0, 0.0);

@@ -10,12 +10,14 @@ use crate::model::energy::gravity::Gravity;
 use crate::model::tangent::{RuledShell, TangentHem, half_nodes};
 use crate::numerics::minimize::{Minimum, Options, minimize};
 
+/// Harmonics unless told otherwise: the hem is then right to a few hundredths of a millimetre, far inside what the theory neglects.
+pub const HARMONICS: usize = 8;
 /// Most harmonics that are offered: beyond a dozen a smooth hem gains nothing, a nearly creased one is outside the theory.
 pub const MOST_HARMONICS: usize = 32;
 /// Most folds that are searched: finer folds than these are narrower than cloth is thick.
 pub const MOST_FOLDS: u32 = 512;
 /// Points of a predicted outline, about: a fifth of a degree of cloth.
-const OUTLINE: usize = 720;
+pub(super) const OUTLINE: usize = 720;
 /// Nodes are doubled until the energy holds to this, relative.
 const QUADRATURE: f64 = 1e-11;
 /// A branch that gains less than this over the round cone, relative, is the round cone.
@@ -192,7 +194,7 @@ fn canonical(a: &DVector<f64>, step: u32) -> DVector<f64> {
 }
 
 /// Greatest common divisor of the indices of coefficients that matter: the number of true folds per asked fold.
-fn period(a: &DVector<f64>) -> u32 {
+pub(super) fn period(a: &DVector<f64>) -> u32 {
     let largest = a.amax();
     let gcd = |mut a: u32, mut b: u32| {
         while b != 0 {
