@@ -21,7 +21,7 @@ fn fabric(density: f64, rigidity: f64) -> Fabric {
 }
 
 fn ruled(hem: f64, rigidity: f64, folds: Folds, harmonics: usize) -> Prediction {
-    let options = Options { fidelity: Fidelity::Ruled { harmonics }, folds, gravity: 9.81 };
+    let options = Options { fidelity: Fidelity::Ruled { harmonics }, folds, gravity: 9.81, tolerance: None };
     predict(&skirt(hem), &fabric(0.2, rigidity), &options).unwrap()
 }
 
@@ -184,7 +184,7 @@ fn polar_equation_agrees_with_the_reference_to_ten_digits() {
         (5, 0.1452, 20.0, 0.1072242665, 0.1472099957, 0.1473757200, -0.0135532307),
         (8, 0.2362, 0.0, 0.0922562759, 0.1602755902, 0.0195351195, -0.0002718587),
     ] {
-        let options = Options { fidelity: Fidelity::Polar { foundation }, folds: Folds::Exactly(m), gravity: 9.81 };
+        let options = Options { fidelity: Fidelity::Polar { foundation }, folds: Folds::Exactly(m), gravity: 9.81, tolerance: None };
         let solution = predict(&skirt(hem), &fabric(0.2, 1e-5), &options).unwrap();
         let turning = solution.turning.unwrap();
         // Half a unit of the last digit there.
@@ -207,7 +207,8 @@ fn polar_folds_start_at_the_onset_and_end_at_the_limit() {
         let square = f64::from(m * m);
         close(range.onset, 0.121 * square / (square - 1.0), 2e-5 * 0.121, "onset");
         let at = |hem: f64| {
-            let options = Options { fidelity: Fidelity::Polar { foundation: 0.0 }, folds: Folds::Exactly(m), gravity: 9.81 };
+            let options =
+                Options { fidelity: Fidelity::Polar { foundation: 0.0 }, folds: Folds::Exactly(m), gravity: 9.81, tolerance: None };
             predict(&skirt(hem), &fabric(0.2, 1e-5), &options).unwrap()
         };
         assert_eq!(at(range.onset * (1.0 - 1e-6)).termination, Termination::Round);
@@ -237,7 +238,7 @@ fn ansatz_agrees_with_the_reference_to_seven_digits() {
         (5, 1e-5, 0.13152467, 0.05267570, 0.00873147, 0.0019692184, 0.0021919849),
         (7, 2e-6, 0.12459092, 0.03867800, 0.00632280, 0.00089491739, 0.0009489347),
     ] {
-        let options = Options { fidelity: Fidelity::Ansatz, folds: Folds::Exactly(m), gravity: 9.81 };
+        let options = Options { fidelity: Fidelity::Ansatz, folds: Folds::Exactly(m), gravity: 9.81, tolerance: None };
         let solution = predict(&skirt(0.2362), &fabric(0.2, rigidity), &options).unwrap();
         let hem = solution.hem.unwrap();
         assert_eq!((solution.folds, solution.termination), (m, Termination::Converged));
@@ -264,11 +265,10 @@ fn every_scene_of_a_wide_sweep_has_a_graded_answer() {
         let (waist, slant, conicity) = (uniform(0.05, 0.3), uniform(0.1, 1.0), uniform(0.0, 0.98));
         let (density, rigidity) = (uniform(0.05, 0.5), 10_f64.powf(uniform(-7.0, -3.0)));
         let skirt = Skirt::new(Metre(waist), Metre(waist + conicity * slant), Metre(slant)).unwrap();
-        let what = format!("scene {scene}: waist {waist:.3}, slant {slant:.3}, conicity {conicity:.3}, {density:.3} kg/m², {rigidity:.2e} N·m");
+        let what =
+            format!("scene {scene}: waist {waist:.3}, slant {slant:.3}, conicity {conicity:.3}, {density:.3} kg/m², {rigidity:.2e} N·m");
         let options = Options { fidelity: Fidelity::Graded { harmonics: 3, modes: 5, shear: 0.0 }, ..Options::default() };
-        let start = std::time::Instant::now();
         let hem = predict(&skirt, &fabric(density, rigidity), &options).unwrap_or_else(|e| panic!("{what}: {e}"));
-        println!("{what} -> {} {:?} {} {:.1?} depth {:.4} {:?}", hem.folds, hem.termination, hem.evaluations, start.elapsed(), hem.depth(), hem.notes);
         assert!(0.0 < hem.hem_radius_min && hem.hem_radius_min <= hem.hem_radius_max && hem.energy.is_finite(), "{what}");
         assert!(hem.outline.iter().all(|p| p.x.is_finite() && p.y.is_finite()), "{what}");
         ends.push(hem.termination);
@@ -277,8 +277,38 @@ fn every_scene_of_a_wide_sweep_has_a_graded_answer() {
     assert_eq!(unfinished, 0);
 }
 
+#[test]
+fn tolerance_asked_is_given_and_a_tighter_run_confirms_it() {
+    let ask = |fidelity: Fidelity, tolerance: f64| {
+        let options = Options { fidelity, tolerance: Some(Metre(tolerance)), ..Options::default() };
+        predict(&skirt(0.2362), &fabric(0.2, 1e-5), &options).unwrap()
+    };
+    let families = [
+        (Fidelity::Ruled { harmonics: 1 }, [1e-3, 1e-4, 1e-5], 1e-8),
+        (Fidelity::Graded { harmonics: 1, modes: 2, shear: 0.0 }, [2e-3, 5e-4, 3e-4], 2e-5),
+    ];
+    for (fidelity, tolerances, tight) in families {
+        let tight = ask(fidelity, tight);
+        for tolerance in tolerances {
+            let hem = ask(fidelity, tolerance);
+            let (estimate, error) = (hem.error_estimate.unwrap(), distance(&hem, &tight));
+            println!(
+                "{}: asked {tolerance:.0e}, estimated {estimate:.1e}, tighter run {error:.1e}, {} evaluations",
+                hem.fidelity, hem.evaluations
+            );
+            assert!(estimate <= tolerance && error <= estimate, "{fidelity:?} {tolerance}");
+        }
+    }
+}
+
+/// Greatest distance between the same points of cloth, m.
+fn distance(a: &Prediction, b: &Prediction) -> f64 {
+    assert_eq!(a.outline.len(), b.outline.len());
+    a.outline.iter().zip(&b.outline).map(|(p, q)| p.distance(*q)).fold(0.0, f64::max)
+}
+
 fn graded(hem: f64, rigidity: f64, folds: Folds, harmonics: usize, modes: usize) -> Prediction {
-    let options = Options { fidelity: Fidelity::Graded { harmonics, modes, shear: 0.0 }, folds, gravity: 9.81 };
+    let options = Options { fidelity: Fidelity::Graded { harmonics, modes, shear: 0.0 }, folds, gravity: 9.81, tolerance: None };
     predict(&skirt(hem), &fabric(0.2, rigidity), &options).unwrap()
 }
 

@@ -53,6 +53,9 @@ pub struct Predict {
     /// Shear stiffness of the weave, N/m; graded only, 0 leaves shear free
     #[arg(long, default_value_t = 0.0, value_name = "S")]
     shear_n_m: f64,
+    /// Resolve the hem to this distance, mm: harmonics and modes are then chosen (ruled and graded)
+    #[arg(long, value_name = "MM")]
+    tolerance_mm: Option<f64>,
     /// Acceleration of free fall, m/s²
     #[arg(long, default_value_t = units::STANDARD_GRAVITY, value_name = "M_S2")]
     gravity_m_s2: f64,
@@ -108,7 +111,16 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
             Fidelity::Graded { harmonics, modes: args.height_modes, shear: args.shear_n_m }
         }
     };
-    predict(&skirt, &fabric, &Options { fidelity, folds: args.folds, gravity: args.gravity_m_s2 })
+    predict(
+        &skirt,
+        &fabric,
+        &Options {
+            fidelity,
+            folds: args.folds,
+            gravity: args.gravity_m_s2,
+            tolerance: args.tolerance_mm.map(|t| Metre(t * units::MILLIMETRE)),
+        },
+    )
 }
 
 /// The prediction as one JSON object; what a fidelity does not have has no key.
@@ -138,6 +150,9 @@ fn to_json(prediction: &Prediction) -> Value {
     out.insert("hem_radius_max_m".into(), json!(prediction.hem_radius_max));
     out.insert("coefficients".into(), json!(prediction.coefficients));
     out.insert("termination".into(), json!(prediction.termination));
+    if let Some(error) = prediction.error_estimate {
+        out.insert("error_estimate_m".into(), json!(error));
+    }
     out.insert("evaluations".into(), json!(prediction.evaluations));
     let branch = |b: &Branch| {
         json!({
@@ -146,6 +161,7 @@ fn to_json(prediction: &Prediction) -> Value {
             "harmonics": b.harmonics,
             (format!("{total}_{unit}")): b.energy,
             "depth_m": b.depth,
+            "threshold_rigidity_n_m": b.threshold_rigidity,
             "lowest_curvature": b.lowest_curvature,
             "termination": b.termination,
         })
@@ -168,6 +184,9 @@ fn to_text(prediction: &Prediction) -> String {
         millimetres(prediction.hem_radius_max),
         millimetres(prediction.depth())
     );
+    if let Some(error) = prediction.error_estimate {
+        out += &format!("resolved to  {:.2e} mm\n", millimetres(error));
+    }
     if prediction.energy_unit == "J" {
         out += &format!("energy       {:.4} mJ\n", millijoules(prediction.energy));
         for term in &prediction.terms {

@@ -408,8 +408,7 @@ impl GradedShell {
             let y_back = out.y - vy * s - d * b - y * c_back;
             let t_back = out.t - vx_back * b + a * vy_back;
             let (x2, y2) = bend[i];
-            angle_back[i] =
-                [x_back * y - y_back * x + out.x2 * y2 - out.y2 * x2, t_back, a_back * -ring, vx_back * -ring, zero];
+            angle_back[i] = [x_back * y - y_back * x + out.x2 * y2 - out.y2 * x2, t_back, a_back * -ring, vx_back * -ring, zero];
             h1_back.push((x_back * cell.cos - y_back * cell.sin, x_back * cell.sin + y_back * cell.cos));
             h2_back.push((out.x2 * cell.cos - out.y2 * cell.sin, out.x2 * cell.sin + out.y2 * cell.cos));
         }

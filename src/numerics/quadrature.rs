@@ -51,7 +51,8 @@ pub fn running_integral(n: usize) -> Vec<Vec<f64>> {
     let entry = |i: usize, j: usize| {
         (0..n)
             .map(|k| {
-                let integral = if k == 0 { 1.0 + polynomials[i][1] } else { (polynomials[i][k + 1] - polynomials[i][k - 1]) / (2.0 * k as f64 + 1.0) };
+                let integral =
+                    if k == 0 { 1.0 + polynomials[i][1] } else { (polynomials[i][k + 1] - polynomials[i][k - 1]) / (2.0 * k as f64 + 1.0) };
                 0.5 * (2.0 * k as f64 + 1.0) * polynomials[j][k] * integral * rule[j].1
             })
             .sum()

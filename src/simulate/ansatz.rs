@@ -23,7 +23,7 @@ const LEAN: f64 = 0.16;
 pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Prediction, Error> {
     ruled::refuse_disc(skirt)?;
     let shell = AnsatzShell::new(skirt, cloth.weight(), cloth.rigidity());
-    let mut search = Search { skirt, shell, evaluations: 0 };
+    let mut search = Search { skirt, shell, weight: cloth.weight(), evaluations: 0 };
     let round = search.round()?;
     let mut states = Vec::new();
     match folds {
@@ -72,6 +72,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
         hem: Some(best.hem),
         multiplier: Some(Multiplier { value: best.multiplier, unit: "N" }),
         turning: None,
+        error_estimate: None,
     })
 }
 
@@ -161,6 +162,7 @@ impl<E: Fn(&Hem) -> Option<HemJet>> Constrained for Ritz<E> {
 struct Search<'a> {
     skirt: &'a Skirt,
     shell: AnsatzShell,
+    weight: f64,
     evaluations: usize,
 }
 
@@ -173,6 +175,7 @@ struct State {
     gravity: f64,
     multiplier: f64,
     lowest_curvature: f64,
+    threshold_rigidity: Option<f64>,
     termination: Termination,
 }
 
@@ -185,6 +188,7 @@ impl State {
             harmonics: 0,
             energy: self.energy,
             depth: high - low,
+            threshold_rigidity: self.threshold_rigidity,
             lowest_curvature: self.lowest_curvature,
             termination: self.termination,
         }
@@ -197,7 +201,16 @@ impl Search<'_> {
         let energy = self.shell.energy(&hem).ok_or_else(|| Error::Unanswerable("the round cone has no finite energy".into()))?;
         let multiplier = energy.total().gradient[0] / TAU;
         let (gravity, energy) = (energy.gravity.value, energy.total().value);
-        Ok(State { asked: 0, hem, energy, gravity, multiplier, lowest_curvature: 0.0, termination: Termination::Round })
+        Ok(State {
+            asked: 0,
+            hem,
+            energy,
+            gravity,
+            multiplier,
+            lowest_curvature: 0.0,
+            threshold_rigidity: None,
+            termination: Termination::Round,
+        })
     }
 
     fn solve(&mut self, folds: u32, cone: &State) -> State {
@@ -229,10 +242,13 @@ impl Search<'_> {
                 gravity: energy.gravity.value,
                 multiplier: minimum.multiplier / problem.size,
                 lowest_curvature: minimum.lowest_curvature().unwrap_or(0.0),
+                threshold_rigidity: None,
                 termination: minimum.ending.into(),
             })
         });
-        folded.unwrap_or(State { asked: folds, ..*cone })
+        // To first order the paper's curve buckles like any other.
+        let threshold_rigidity = ruled::threshold_rigidity(self.skirt, self.weight, folds);
+        State { threshold_rigidity, ..folded.unwrap_or(State { asked: folds, ..*cone }) }
     }
 }
 

@@ -15,8 +15,17 @@ pub const HARMONICS: usize = 3;
 pub const MODES: usize = 6;
 /// Most harmonics and most height modes that are offered.
 const MOST: (usize, usize) = (12, 24);
-/// Harmonics, modes, intervals and slices of the search over fold counts: energy differences between fold counts are right to a percent.
-const COARSE: (usize, usize, usize, usize) = (1, 3, 12, 10);
+/// Harmonics, modes, intervals and slices.
+type Size = (usize, usize, usize, usize);
+
+/// Size of the search over fold counts: energy differences between fold counts are right to a percent.
+const COARSE: Size = (1, 3, 12, 10);
+/// The same for flat cones, whose folds are too deep for one harmonic.
+const COARSE_FLAT: Size = (3, 5, 24, 16);
+/// Conicity from which a cone is flat in this sense.
+const FLAT: f64 = 0.5;
+/// Evaluations per minimization. Newton takes about six; where generatrices press against the horizontal it crawls, and more would not help.
+const EVALUATIONS: u64 = 60;
 /// Fold counts this close in the coarse energy, relative, are compared in full.
 const CLOSE: f64 = 0.02;
 /// Nodes are doubled until the energy holds to this, relative: a thousandth of a millimetre of hem.
@@ -61,7 +70,8 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         notes.push(format!("the round cone is stable against {m} folds: the cloth is too stiff for them"));
     }
     if best.branch.folds != 0 && !search.verify(&mut best, full) {
-        notes.push("the energy is not resolved to six digits: folds this deep are nearly creased".into());
+        notes
+            .push("the energy is not resolved to six digits: folds this deep are nearly creased, or generatrices nearly horizontal".into());
     }
     tried.sort_by_key(|b| b.asked);
     let terms = |gravity: f64, bending: f64, shearing: f64, evaluations: usize| {
@@ -89,6 +99,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         hem: None,
         multiplier: None,
         turning: None,
+        error_estimate: None,
     };
     if best.branch.folds != 0 {
         let budget = best.shell.budget(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
@@ -147,8 +158,14 @@ impl Search<'_> {
         GradedShell::new(self.skirt, setup)
     }
 
+    /// The size of a first solution on the way to `full`.
+    fn coarse(&self, full: Size) -> Size {
+        let (harmonics, modes, half, slices) = if self.skirt.conicity() < FLAT { COARSE } else { COARSE_FLAT };
+        (harmonics.min(full.0), modes.min(full.1), half, slices)
+    }
+
     /// The branch of `folds` folds: a few modes first, then all; or from `start` (harmonics, modes, coefficients).
-    fn solve(&mut self, folds: u32, size: (usize, usize, usize, usize), start: Option<&State>, round: f64) -> State {
+    fn solve(&mut self, folds: u32, size: Size, start: Option<&State>, round: f64) -> State {
         let (harmonics, modes, half, slices) = size;
         let mut state = match start {
             Some(start) => {
@@ -158,8 +175,9 @@ impl Search<'_> {
                 self.describe(shell, minimum, round)
             }
             None => {
-                let shell = self.shell(folds, COARSE.0, COARSE.1.min(modes), COARSE.2, COARSE.3);
-                let mut first = DVector::zeros(COARSE.0 * COARSE.1.min(modes));
+                let (k, j, half, slices) = self.coarse(size);
+                let shell = self.shell(folds, k, j, half, slices);
+                let mut first = DVector::zeros(k * j);
                 first[0] = 1.0;
                 let minimum = self.descend(&shell, first);
                 self.describe(shell, minimum, round)
@@ -174,8 +192,9 @@ impl Search<'_> {
 
     /// Downhill from `start`, drawn in towards the cone until every generatrix is long enough.
     fn descend(&mut self, shell: &GradedShell, mut start: DVector<f64>) -> Minimum {
+        let options = Options { evaluations: EVALUATIONS, ..Options::default() };
         loop {
-            if let Some(minimum) = minimize(shell, start.clone(), &Options::default()) {
+            if let Some(minimum) = minimize(shell, start.clone(), &options) {
                 self.evaluations += minimum.evaluations;
                 return minimum;
             }
@@ -198,6 +217,7 @@ impl Search<'_> {
             harmonics,
             energy: if folded { minimum.at.value } else { round },
             depth: 0.0,
+            threshold_rigidity: None,
             lowest_curvature: minimum.lowest_curvature(),
             termination: if folded { minimum.ending.into() } else { Termination::Round },
         };
@@ -210,12 +230,12 @@ impl Search<'_> {
     }
 
     /// The branch of least energy: a coarse walk over fold counts from where the ruled shell has its minimum, then the close ones in full.
-    fn least(&mut self, full: (usize, usize, usize, usize), round: f64) -> Result<(State, Vec<Branch>), Error> {
+    fn least(&mut self, full: Size, round: f64) -> Result<(State, Vec<Branch>), Error> {
         let rough = ruled::predict(self.skirt, self.cloth, Folds::Auto, 1)?;
         self.evaluations += rough.evaluations;
         // Where even the ruled shell, which folds more readily, stays round, its least stable fold count is asked.
         let from = if rough.folds != 0 { rough.folds } else { 3 };
-        let coarse = (COARSE.0, COARSE.1.min(full.1), COARSE.2, COARSE.3);
+        let coarse = self.coarse(full);
         let mut walked = vec![self.solve(from, coarse, None, round)];
         let mut least = walked[0].branch.energy;
         for direction in [1_i64, -1] {
@@ -253,9 +273,9 @@ impl Search<'_> {
     }
 
     /// Doubles the nodes until the energy holds; whether it did.
-    fn verify(&mut self, best: &mut State, full: (usize, usize, usize, usize)) -> bool {
+    fn verify(&mut self, best: &mut State, full: Size) -> bool {
         let (harmonics, modes, mut half, mut slices) = full;
-        for _ in 0..3 {
+        for _ in 0..2 {
             (half, slices) = (2 * half, 2 * slices);
             let fine = self.shell(best.branch.asked, harmonics, modes, half, slices);
             let energy = fine.budget(&best.minimum.x).map(|b| b.gravity + b.bending + b.shear);

@@ -4,6 +4,7 @@ pub mod ansatz;
 pub mod graded;
 pub mod polar;
 pub mod ruled;
+mod tolerance;
 
 use serde::Serialize;
 
@@ -13,7 +14,7 @@ use crate::error::Error;
 use crate::experiment::{Fabric, Point, Skirt};
 use crate::model::hem::Hem;
 use crate::numerics::minimize::Ending;
-use crate::units::STANDARD_GRAVITY;
+use crate::units::{Metre, STANDARD_GRAVITY};
 
 /// Which fold counts to consider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -54,12 +55,19 @@ pub struct Options {
     pub folds: Folds,
     /// Acceleration of free fall, m/s².
     pub gravity: f64,
+    /// Distance to which the hem must be resolved: harmonics and modes are then chosen, whatever the fidelity names.
+    pub tolerance: Option<Metre>,
 }
 
 impl Default for Options {
     /// The ruled shell answers in milliseconds, to ten digits; the graded shell is nearer to a real skirt and takes ten times as long.
     fn default() -> Self {
-        Options { fidelity: Fidelity::Ruled { harmonics: ruled::HARMONICS }, folds: Folds::Auto, gravity: STANDARD_GRAVITY }
+        Options {
+            fidelity: Fidelity::Ruled { harmonics: ruled::HARMONICS },
+            folds: Folds::Auto,
+            gravity: STANDARD_GRAVITY,
+            tolerance: None,
+        }
     }
 }
 
@@ -102,10 +110,12 @@ pub struct Branch {
     pub folds: u32,
     /// Harmonics it was solved with: fold counts that one harmonic puts far above the least energy are not refined.
     pub harmonics: usize,
-    /// J.
+    /// In the unit of the prediction's energy.
     pub energy: f64,
     /// max r − min r, m.
     pub depth: f64,
+    /// Flexural rigidity above which the round cone is stable against the asked folds, N·m; `None` if it always is, or the theory has no rigidity.
+    pub threshold_rigidity: Option<f64>,
     /// Lowest eigenvalue of the energy's Hessian within the branch's own family, J; positive: stable against changes that keep its symmetry.
     pub lowest_curvature: f64,
     pub termination: Termination,
@@ -137,6 +147,8 @@ pub struct Prediction {
     pub evaluations: usize,
     /// Every fold count tried, ascending.
     pub branches: Vec<Branch>,
+    /// How far the hem may be from that of infinitely many unknowns, m, by the last refinement; `None` where no tolerance was asked.
+    pub error_estimate: Option<f64>,
     /// What a reader should know before using the numbers: limits of the theory that this scene meets.
     pub notes: Vec<String>,
     /// p, q, s of the paper's curve, where the fidelity speaks in them.
@@ -173,6 +185,11 @@ impl Prediction {
 /// [`Error::Invalid`] if the cloth data or an option is zero, negative or not finite; [`Error::Unanswerable`] if the cloth data are missing or
 /// the theory does not apply: a cone of base angle 0 (a drape tester) has no straight generatrices to hang from.
 pub fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
+    let Some(tolerance) = options.tolerance else { return predict_once(skirt, fabric, options) };
+    tolerance::predict(skirt, fabric, options, tolerance.0)
+}
+
+fn predict_once(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
     let cloth = Cloth::of(fabric, options.gravity)?;
     if let Folds::Exactly(folds) = options.folds
         && !(2..=ruled::MOST_FOLDS).contains(&folds)

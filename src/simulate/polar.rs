@@ -72,6 +72,7 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
         harmonics: 0,
         energy,
         depth: turning.outer - turning.inner,
+        threshold_rigidity: None,
         lowest_curvature: 0.0,
         termination: Termination::Converged,
     };
@@ -92,13 +93,23 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
         hem: None,
         multiplier: Some(Multiplier { value: turning.lambda, unit: "N/m²" }),
         turning: Some(turning),
+        error_estimate: None,
     })
 }
 
 fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> Prediction {
     let radius = skirt.hem_radius().0;
     let energy = TAU * equation.density(radius);
-    let branch = Branch { asked, folds: 0, harmonics: 0, energy, depth: 0.0, lowest_curvature: 0.0, termination: Termination::Round };
+    let branch = Branch {
+        asked,
+        folds: 0,
+        harmonics: 0,
+        energy,
+        depth: 0.0,
+        threshold_rigidity: None,
+        lowest_curvature: 0.0,
+        termination: Termination::Round,
+    };
     Prediction {
         fidelity: "polar".into(),
         folds: 0,
@@ -116,6 +127,7 @@ fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> 
         hem: None,
         multiplier: None,
         turning: None,
+        error_estimate: None,
     }
 }
 

@@ -75,6 +75,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             hem: None,
             multiplier: None,
             turning: None,
+            error_estimate: None,
         });
     }
     if !search.verify(&mut best) {
@@ -100,6 +101,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         hem: None,
         multiplier: None,
         turning: None,
+        error_estimate: None,
     })
 }
 
@@ -269,8 +271,18 @@ impl Search<'_> {
         let asked = shell.folds();
         let lowest_curvature = minimum.lowest_curvature();
         let harmonics = minimum.x.len();
+        let threshold_rigidity = threshold_rigidity(self.skirt, self.cloth.weight(), asked);
         if round - minimum.at.value <= ROUNDING * round {
-            return Branch { asked, folds: 0, harmonics, energy: round, depth: 0.0, lowest_curvature, termination: Termination::Round };
+            return Branch {
+                asked,
+                folds: 0,
+                harmonics,
+                energy: round,
+                depth: 0.0,
+                threshold_rigidity,
+                lowest_curvature,
+                termination: Termination::Round,
+            };
         }
         let step = period(&minimum.x);
         if step == 1 {
@@ -283,6 +295,7 @@ impl Search<'_> {
             harmonics,
             energy: minimum.at.value,
             depth: high - low,
+            threshold_rigidity,
             lowest_curvature,
             termination: minimum.ending.into(),
         }
