@@ -76,6 +76,15 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
     })
 }
 
+/// p, q, s of least ruled energy, the fold count included.
+///
+/// # Errors
+/// As [`super::predict`]; [`Error::Unanswerable`] if the skirt hangs round.
+pub fn least(skirt: &Skirt, cloth: &Cloth) -> Result<Hem, Error> {
+    let round = || Error::Unanswerable("the skirt hangs round: the paper's curve has no folds to show".into());
+    predict(skirt, cloth, Folds::Auto)?.hem.filter(|hem| hem.folds != 0).ok_or_else(round)
+}
+
 /// A Ritz solution of the paper's own functional (10) under the paper's constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperRitz {

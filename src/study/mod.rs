@@ -1,3 +1,4 @@
 //! Questions that need several layers at once.
 
 pub mod campaign;
+pub mod paper;
