@@ -1,6 +1,7 @@
 //! Hard cases of the theory: limits, thresholds, crossings, and scenes outside it. Every one ends in an answer or a refusal that says why.
 
 use hemline::experiment::{Fabric, Skirt};
+use hemline::simulate::graded;
 use hemline::simulate::ruled::threshold_rigidity;
 use hemline::simulate::{Fidelity, Folds, Options, Prediction, Termination, predict};
 use hemline::units::{KilogramPerSquareMetre, Metre, NewtonMetre};
@@ -226,4 +227,38 @@ fn shear_stiffness_costs_energy_and_softer_cloth_than_none_is_refused() {
     assert!(0.0 < ask(1e-2).unwrap().energy_of("shear").unwrap());
     assert!(ask(0.0).unwrap().energy_of("shear").is_none());
     assert!(ask(-1.0).is_err());
+}
+
+#[test]
+fn graded_cone_folds_exactly_below_its_own_threshold_which_is_lower_than_the_ruled_one() {
+    for m in [3, 5, 8] {
+        let threshold = graded::threshold_rigidity(&skirt(0.2362), 1.962, 0.0, m).unwrap();
+        // Rings that keep their length are stiffer than rings that need not.
+        assert!(threshold < threshold_rigidity(&skirt(0.2362), 1.962, m).unwrap());
+        let at = |rigidity: f64| {
+            let fidelity = Fidelity::Graded { harmonics: 1, modes: 8, shear: 0.0 };
+            predict(&skirt(0.2362), &fabric(0.2, rigidity), &Options { fidelity, folds: Folds::Exactly(m), ..Options::default() }).unwrap()
+        };
+        // Eight modes of another width: the threshold itself holds to three digits or better.
+        assert_eq!((at(1.002 * threshold).folds, at(0.998 * threshold).folds), (0, m), "m = {m}");
+    }
+}
+
+#[test]
+fn evaluation_counts_are_as_they_were() {
+    // Golden: what a prediction costs, in evaluations of energy, gradient and Hessian. A change of these is a change of the method: say so.
+    let count = |fidelity: Fidelity, folds: Folds, tolerance: Option<f64>| {
+        let options = Options { fidelity, folds, tolerance: tolerance.map(Metre), ..Options::default() };
+        predict(&skirt(0.2362), &fabric(0.2, 1e-5), &options).unwrap().evaluations
+    };
+    let counts = [
+        count(Fidelity::Ruled { harmonics: 8 }, Folds::Exactly(5), None),
+        count(Fidelity::Ruled { harmonics: 8 }, Folds::Auto, None),
+        count(Fidelity::Ruled { harmonics: 8 }, Folds::Auto, Some(1e-4)),
+        count(Fidelity::Graded { harmonics: 3, modes: 6, shear: 0.0 }, Folds::Exactly(5), None),
+        count(Fidelity::Graded { harmonics: 3, modes: 6, shear: 0.0 }, Folds::Auto, None),
+        count(Fidelity::Ansatz, Folds::Exactly(5), None),
+        count(Fidelity::Polar { foundation: 0.0 }, Folds::Exactly(5), None),
+    ];
+    assert_eq!(counts, [20, 130, 243, 18, 124, 5, 102]);
 }

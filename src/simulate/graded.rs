@@ -1,13 +1,13 @@
 //! The graded shell: least energy over hems of all heights at once, and over fold counts.
 
-use nalgebra::DVector;
+use nalgebra::{Cholesky, DVector, SymmetricEigen};
 
 use super::{Branch, Cloth, Folds, Prediction, TermEnergy, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::Skirt;
 use crate::model::graded::{GradedShell, HeightBasis, Setup};
 use crate::model::tangent::{TangentHem, half_nodes};
-use crate::numerics::minimize::{Minimum, Options, minimize};
+use crate::numerics::minimize::{Minimum, Options, Smooth, minimize};
 
 /// Harmonics and height modes that are right to some tenths of a millimetre on skirts.
 pub const HARMONICS: usize = 3;
@@ -113,6 +113,26 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         prediction.termination = best.branch.termination;
     }
     Ok(prediction)
+}
+
+/// Flexural rigidity (N·m) above which the round cone is stable against `folds` folds of the graded shell; `None` if it is stable at any.
+///
+/// Second variation at the cone, `H_g + B H_b`: the largest B at which it is singular. `weight` is ρ_A g, N/m²; `shear` is S, N/m.
+pub fn threshold_rigidity(skirt: &Skirt, weight: f64, shear: f64, folds: u32) -> Option<f64> {
+    // Eight modes of a layer of a thirtieth of the slant converge to four digits; the buckling mode itself has no thinner layer.
+    let modes = 8;
+    let variation = |weight: f64, rigidity: f64, shear: f64| {
+        let basis = HeightBasis::Layer { width: 1.0 / 30.0 };
+        let setup = Setup { weight, rigidity, shear, folds, harmonics: 1, modes, basis, half: 12, slices: 24 };
+        Some(GradedShell::new(skirt, setup).expand(&DVector::zeros(modes))?.hessian)
+    };
+    let bending = Cholesky::new(variation(0.0, 1.0, 0.0)?)?;
+    let rest = variation(weight, 0.0, shear)?;
+    // B is an eigenvalue of −H_b⁻¹ H_g, brought to symmetric form by the factor of H_b.
+    let half = bending.l().solve_lower_triangular(&rest)?;
+    let symmetric = bending.l().solve_lower_triangular(&half.transpose())?;
+    let largest = -SymmetricEigen::new(symmetric).eigenvalues.min();
+    (0.0 < largest).then_some(largest)
 }
 
 struct State {

@@ -1,6 +1,6 @@
 //! Accuracy asked, accuracy given: unknowns are added until the hem stops moving.
 
-use super::{Fidelity, Options, Prediction, predict_once};
+use super::{Fidelity, Folds, Options, Prediction, predict_once};
 use crate::error::Error;
 use crate::experiment::{Fabric, Skirt};
 
@@ -22,11 +22,19 @@ pub(super) fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options, toleran
         fixed => vec![fixed],
     };
     let mut last: Option<Prediction> = None;
-    let mut evaluations = 0;
+    let (mut evaluations, mut folds) = (0, options.folds);
     for fidelity in &levels {
-        let mut next = predict_once(skirt, fabric, &Options { fidelity: *fidelity, tolerance: None, ..*options })?;
+        let mut next = predict_once(skirt, fabric, &Options { fidelity: *fidelity, folds, tolerance: None, ..*options })?;
         evaluations += next.evaluations;
         next.evaluations = evaluations;
+        if let Some(last) = &last {
+            if settled(last, &next) {
+                folds = Folds::Exactly(next.folds);
+            }
+            if options.folds == Folds::Auto {
+                keep_rivals(last, &mut next);
+            }
+        }
         next.error_estimate = last.as_ref().and_then(|last| distance(last, &next));
         if next.error_estimate.is_some_and(|error| error <= tolerance) {
             return Ok(next);
@@ -40,6 +48,21 @@ pub(super) fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options, toleran
         (_, None) => "the fold count still changes at the finest level: the tolerance is not met".into(),
     });
     Ok(best)
+}
+
+/// Whether no other fold count can still win: the runner-up costs more by far than refinement still moves the energy.
+fn settled(last: &Prediction, next: &Prediction) -> bool {
+    let moved = (next.energy - last.energy).abs();
+    let rival = next.branches.iter().filter(|b| b.folds != next.folds).map(|b| b.energy).fold(f64::INFINITY, f64::min);
+    // Energies move together, and the next move is smaller than this one: four times it is a wide margin.
+    next.folds != 0 && next.folds == last.folds && 4.0 * moved < rival - next.energy
+}
+
+/// Branches that were not solved again at this level, as the level before left them.
+fn keep_rivals(last: &Prediction, next: &mut Prediction) {
+    let kept: Vec<_> = last.branches.iter().filter(|b| next.branches.iter().all(|n| n.asked != b.asked)).cloned().collect();
+    next.branches.extend(kept);
+    next.branches.sort_by_key(|b| b.asked);
 }
 
 /// Greatest distance between the same points of cloth, m; `None` between hems of different fold counts.
