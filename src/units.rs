@@ -38,7 +38,11 @@ pub const GRAM_PER_SQUARE_METRE: f64 = 1e-3;
 pub const MICRONEWTON_METRE: f64 = 1e-6;
 /// One millijoule in joules.
 pub const MILLIJOULE: f64 = 1e-3;
-/// Standard acceleration of free fall, m/s², to the digits that MODEL's reference numbers use.
+/// One millinewton in newtons.
+pub const MILLINEWTON: f64 = 1e-3;
+/// One percent as a share.
+pub const PERCENT: f64 = 1e-2;
+/// Acceleration of free fall, m/s², as the reference numbers of docs/model.md use it.
 pub const STANDARD_GRAVITY: f64 = 9.81;
 
 /// The SI factor of a unit suffix as files and flags spell it (`mm`, `cm`, `m`, `in`, `g_m2`, `un_m` …); `None` if unknown.

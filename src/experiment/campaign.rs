@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::design::Design;
 use super::specimen::Apparatus;
+use crate::units::Metre;
 
 /// How many folds a fit may choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -34,6 +35,54 @@ pub enum HemLength {
     Held(f64),
 }
 
+/// Which grey of a picture is the cloth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shade {
+    Dark,
+    Light,
+    /// Whatever the margin of the picture is not.
+    #[default]
+    Auto,
+}
+
+/// How pictures of drapes are read.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Pictures {
+    /// Side of a pixel on the cloth, m.
+    pub pixel: Metre,
+    pub object: Shade,
+}
+
+/// A response: the short name by which a campaign asks for it, and its column of the fits table, whose suffix is its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Response {
+    pub name: &'static str,
+    pub column: &'static str,
+}
+
+/// Every response that a campaign may ask for, by either name.
+pub const RESPONSES: [Response; 15] = [
+    Response { name: "p", column: "p_mm" },
+    Response { name: "q", column: "q_mm" },
+    Response { name: "s", column: "s_mm" },
+    Response { name: "m", column: "m" },
+    Response { name: "lambda", column: "lambda_first_integral_n_m2" },
+    Response { name: "lambda_over_weight", column: "lambda_over_weight" },
+    Response { name: "lambda_ritz", column: "lambda_ritz_n_m2" },
+    Response { name: "lambda_ruled", column: "lambda_ruled_n" },
+    Response { name: "rms", column: "rms_mm" },
+    Response { name: "fold_depth", column: "fold_depth_mm" },
+    Response { name: "mean_radius", column: "mean_radius_mm" },
+    Response { name: "perimeter", column: "perimeter_mm" },
+    Response { name: "explained", column: "explained_share" },
+    Response { name: "drape_coefficient", column: "drape_coefficient_percent" },
+    Response { name: "theory_gap", column: "theory_gap_mm" },
+];
+
+/// What is regressed where a campaign does not say: p, q, s, m, λ, rms and fold depth.
+pub const USUAL_RESPONSES: [&str; 7] = ["p", "q", "s", "m", "lambda", "rms", "fold_depth"];
+
 /// Everything about a campaign but its measured outlines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Campaign {
@@ -54,4 +103,6 @@ pub struct Campaign {
     pub gravity: f64,
     /// Foundation modulus E of the paper's functional, N/m³; 0 unless told.
     pub foundation_modulus: f64,
+    /// How pictures among the profile files are read; `None` where the campaign has no scale for them.
+    pub pictures: Option<Pictures>,
 }

@@ -2,10 +2,15 @@
 
 pub mod campaign;
 pub mod design;
+mod neighbours;
+mod ordering;
 pub mod profile;
+pub mod provenance;
 pub mod specimen;
+mod tour;
 
 pub use campaign::Campaign;
 pub use design::{Design, Factor, Run};
 pub use profile::{DrapeProfile, Point};
+pub use provenance::{Quarantined, Source};
 pub use specimen::{Apparatus, Fabric, Skirt};

@@ -1,6 +1,15 @@
 //! Inverse: profile → parameters, by orthogonal least squares.
 
+pub mod circle;
+pub mod folds;
+pub mod foot_point;
 pub mod lambda;
+pub mod matching;
+pub mod orthogonal;
 pub mod outcome;
+pub mod outline;
+pub mod rules;
+pub mod start;
 
+pub use folds::{Options, fit};
 pub use outcome::{Candidate, Estimate, HeldLength, HemFit, Rule, Termination};

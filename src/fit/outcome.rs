@@ -34,8 +34,13 @@ pub enum Termination {
     Converged,
     /// The free optimum broke a rule; this is the optimum at the held hem length.
     HeldLength { broken: Rule },
+    /// Even the fit at the held length broke a rule; this is the curve matched to the outline in order at that length, which is not a
+    /// minimum of the orthogonal distance.
+    InOrder { broken: Rule },
     /// The hem length was held because it was asked.
     LengthAsAsked,
+    /// Of a candidate only: its match is too far from the outline for any fit of it to compete with the best.
+    NotPursued,
     /// The outline is round within its noise: no folds to count.
     NoFolds,
     /// The iteration stopped making progress before its tolerance; the estimates are usable with care.
@@ -80,6 +85,8 @@ pub struct HemFit {
     /// `None` where the outline shows no folds.
     pub q: Option<Estimate>,
     pub s: Option<Estimate>,
+    /// Covariance of (p, q, s), m²; `None` where the outline does not determine them.
+    pub covariance: Option<[[f64; 3]; 3]>,
     /// `None` where the outline shows no folds.
     pub folds: Option<u32>,
     /// Akaike weight of the chosen fold count among the sane candidates.
@@ -106,6 +113,8 @@ pub struct HemFit {
     pub termination: Termination,
     /// Evaluations of the residual vector, over all candidates.
     pub evaluations: usize,
+    /// What a reader of the numbers should know, in words.
+    pub notes: Vec<String>,
 }
 
 impl HemFit {

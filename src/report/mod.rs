@@ -1,1 +1,117 @@
 //! Results → files; computes nothing.
+
+pub mod csv;
+pub mod date;
+pub mod document;
+pub mod figure;
+pub mod gallery;
+pub mod note;
+pub mod number;
+pub mod output;
+pub mod raster;
+pub mod summary;
+pub mod table;
+pub mod typeset;
+pub mod words;
+
+#[cfg(test)]
+mod sample;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+pub use date::Date;
+
+use crate::error::Error;
+use crate::experiment::{Quarantined, Source};
+use crate::study::campaign::CampaignStudy;
+
+/// Where the numbers come from: printed, never used.
+#[derive(Debug, Clone, Default)]
+pub struct Provenance {
+    /// The files that were read.
+    pub sources: Vec<Source>,
+    /// What was set aside.
+    pub quarantine: Vec<Quarantined>,
+    /// Options of the program in words: (“Hem length”, “auto”).
+    pub settings: Vec<(String, String)>,
+    /// The date on the document; see [`Date::from_environment`].
+    pub date: Option<Date>,
+}
+
+/// What to write.
+#[derive(Debug, Clone)]
+pub struct Options {
+    pub provenance: Provenance,
+    /// Whether `figures/*.png` are wanted; they take longer than everything else together.
+    pub pictures: bool,
+}
+
+impl Default for Options {
+    /// Everything, of unknown provenance.
+    fn default() -> Self {
+        Options { provenance: Provenance::default(), pictures: true }
+    }
+}
+
+/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, `fits.csv`, `regression.csv`,
+/// `candidates.csv`, `predictions.csv`, `points.csv`, `quarantine.csv`, `summary.json`, `figures/*.png`.
+///
+/// Each file is written beside its place and then renamed: a file of the report is whole or not there.
+///
+/// # Errors
+/// [`Error::File`] if the folder cannot be written, [`Error::Output`] if a figure or the document cannot be produced.
+pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<Vec<PathBuf>, Error> {
+    let gallery = gallery::draw(study)?;
+    let pictures = if options.pictures { rasterize(&gallery)? } else { vec![] };
+    let pdf = document::pdf(study, &gallery, &options.provenance)?;
+    let coefficients =
+        study.regressions.iter().filter_map(|r| Some((r.response.as_str(), r.analysis.as_ref().ok()?.coefficients.as_slice())));
+    let mut summary = serde_json::to_string_pretty(&summary::summary(study, &options.provenance))
+        .map_err(|error| Error::Output { what: "summary.json".into(), why: error.to_string() })?;
+    summary.push('\n');
+    let rows = || study.runs.iter().map(Into::into);
+    let files = [
+        ("report.pdf", pdf),
+        ("fits.csv", table::fits(rows()).bytes()),
+        ("regression.csv", table::regression(coefficients).bytes()),
+        ("candidates.csv", table::candidates(rows()).bytes()),
+        ("predictions.csv", table::predictions(&study.runs).bytes()),
+        ("points.csv", table::points(rows()).bytes()),
+        ("quarantine.csv", table::quarantine(&options.provenance.quarantine).bytes()),
+        ("summary.json", summary.into_bytes()),
+    ];
+    let mut written = vec![];
+    for (name, bytes) in &files {
+        written.push(output::write(folder, name, bytes)?);
+    }
+    for (name, bytes) in &pictures {
+        written.push(output::write(folder, name, bytes)?);
+    }
+    Ok(written)
+}
+
+/// All pictures, each on the next free core; the order of the result is that of the gallery.
+fn rasterize(gallery: &gallery::Gallery) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let figures: Vec<(&String, &String)> = gallery.iter().collect();
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::with_capacity(figures.len()));
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(|| {
+                while let Some((i, (stem, svg))) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, figures.get(i)?))) {
+                    let name = format!("figures/{stem}.png");
+                    let picture = raster::png(&name, svg).map(|png| (name, png));
+                    done.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((i, picture));
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, picture)| picture).collect()
+}

@@ -1,4 +1,7 @@
 //! Questions that need several layers at once.
 
 pub mod campaign;
+pub mod comparison;
+pub mod overview;
 pub mod paper;
+pub mod response;

@@ -1,0 +1,123 @@
+//! `hemline fit`: profiles without a campaign → one row of estimates each.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use rayon::prelude::*;
+
+use super::{folds, hem_length, shade};
+use crate::error::Error;
+use crate::experiment::DrapeProfile;
+use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
+use crate::fit::lambda::Lambda;
+use crate::fit::{self, HemFit};
+use crate::import::image;
+use crate::import::table;
+use crate::report::table::{FitRow, fits};
+use crate::units::{MILLIMETRE, Metre};
+
+/// Fit the hem curve to measured drape profiles; one row per profile on stdout.
+///
+/// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile`. A picture is a silhouette, dark on
+/// light or light on dark, and needs --scale-mm-per-px.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
+hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n\n\
+Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
+(compare rms_mm and explained_share) they are too small.\n\n\
+Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
+)]
+pub struct Fit {
+    /// Tables (.csv, .tsv, .txt) or silhouettes (.png, .jpg).
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Fold count: auto (by evidence among 2 to 24), a number, or a range such as 4-9.
+    #[arg(long, default_value = "auto", value_parser = folds)]
+    pub folds: Folds,
+    /// Hem length: auto (free; held at the outline's own length where the free optimum is no sane curve), free, or a length to hold exactly.
+    #[arg(long, default_value = "auto", value_parser = hem_length, value_name = "auto|free|CM")]
+    pub hem_length_cm: HemLength,
+    /// Size of a pixel, for silhouettes.
+    #[arg(long, value_name = "MM")]
+    pub scale_mm_per_px: Option<f64>,
+    /// What is the cloth in a silhouette.
+    #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
+    pub object: Shade,
+    /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Reads, fits and prints. Files and rows that cannot be used are named on stderr; the others go on.
+///
+/// # Errors
+/// That of the only file, if there is one only; with several files a file that cannot be read is said and left out.
+pub fn run(args: &Fit) -> Result<ExitCode, Error> {
+    let mut profiles: Vec<(String, DrapeProfile)> = Vec::new();
+    let mut whole = true;
+    for file in &args.files {
+        match read(file, args) {
+            Ok((found, set_aside)) => {
+                profiles.extend(found);
+                for sentence in &set_aside {
+                    eprintln!("set aside: {sentence}");
+                }
+                whole &= set_aside.is_empty();
+            }
+            Err(error) if args.files.len() == 1 => return Err(error),
+            Err(error) => {
+                eprintln!("set aside: {error}");
+                whole = false;
+            }
+        }
+    }
+    let options = fit::Options { folds: args.folds, length: args.hem_length_cm, ..fit::Options::default() };
+    let results: Vec<Result<HemFit, String>> =
+        profiles.par_iter().map(|(_, profile)| fit::fit(profile, &options).map_err(|e| e.to_string())).collect();
+    // Without cloth and cut there is no λ; the table says so in its own column.
+    let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
+    let rows = profiles.iter().zip(&results).map(|((name, profile), fit)| FitRow {
+        run: name,
+        profile: Some(profile),
+        fit,
+        lambda: &lambda,
+        study: None,
+    });
+    let table = fits(rows);
+    let stdout = &mut std::io::stdout().lock();
+    let written = if args.json { table.write_json(stdout) } else { table.write(stdout) };
+    match written {
+        // Somebody closed the pipe: `hemline fit … | head` is no fault.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => return Ok(ExitCode::SUCCESS),
+        other => other.map_err(|source| Error::file("stdout", source))?,
+    }
+    for ((name, _), result) in profiles.iter().zip(&results) {
+        if let Err(reason) = result {
+            eprintln!("not fitted: {name}: {reason}");
+            whole = false;
+        }
+    }
+    if profiles.is_empty() {
+        return Ok(ExitCode::from(2));
+    }
+    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The profiles of one file, and what was set aside, in sentences.
+type Read = (Vec<(String, DrapeProfile)>, Vec<String>);
+
+fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
+    if image::is_picture(file) {
+        let Some(scale) = args.scale_mm_per_px else {
+            return Err(Error::Unanswerable(format!("{}: a silhouette needs its scale; add --scale-mm-per-px", file.display())));
+        };
+        let silhouette = image::outline(file, &Pictures { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
+        let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+        return Ok((vec![(name, silhouette.profile)], vec![]));
+    }
+    let table = table::profiles(file)?;
+    let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
+    Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
+}

@@ -1,0 +1,199 @@
+//! `hemline run`: a campaign folder → fits, predictions, regression, report.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::Error;
+use crate::import;
+use crate::report::number::fixed;
+use crate::report::{self, words};
+use crate::statistics::box_wilson::Analysis;
+use crate::study::campaign::{CampaignStudy, Measured, analyse};
+use crate::study::overview::overview;
+use crate::units::{MILLIMETRE, PERCENT};
+
+/// Analyse a campaign: fit every profile, predict every hem, regress every response, write the report.
+///
+/// A campaign is a folder with campaign.toml (what was measured on what), design.csv (one row per run) and the profile files that the rows
+/// name: tables or silhouette pictures. `hemline init DIR` writes an empty one to fill in.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
+hemline run spring --out spring-report\n\n\
+Writes report.pdf, fits.csv, regression.csv, candidates.csv, predictions.csv, points.csv, quarantine.csv, summary.json and figures/*.png.\n\n\
+Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]
+pub struct Run {
+    /// The campaign's folder.
+    #[arg(default_value = "data")]
+    pub campaign: PathBuf,
+    /// Where the report goes; made if it is not there.
+    #[arg(long, default_value = "reports", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Leave out figures/*.png (the figures of the PDF stay): several times faster.
+    #[arg(long)]
+    pub no_pictures: bool,
+    /// Print summary.json on stdout instead of the summary in words.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        Run { campaign: "data".into(), out: "reports".into(), no_pictures: false, json: false }
+    }
+}
+
+/// Reads, analyses, writes, prints a summary on stdout; what was set aside goes to stderr, one sentence each.
+///
+/// # Errors
+/// Those of [`import::load`] and [`report::write`].
+pub fn run(args: &Run) -> Result<ExitCode, Error> {
+    let imported = import::load(&args.campaign)?;
+    for row in &imported.quarantine {
+        eprintln!("set aside: {row}");
+    }
+    let measured = Measured {
+        campaign: imported.campaign,
+        profiles: imported.profiles,
+        quarantine: imported.quarantine,
+        sources: imported.sources,
+        notes: imported.notes,
+    };
+    // Drawn on a terminal only: in a pipe indicatif is silent.
+    let bar = ProgressBar::new(measured.campaign.design.runs.len() as u64).with_style(
+        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}").expect("a template that indicatif knows").progress_chars("━╸ "),
+    );
+    bar.set_message("Fitting");
+    let study = analyse(measured, &|| bar.inc(1));
+    bar.set_message("Writing the report");
+    let provenance = report::Provenance {
+        sources: study.sources.clone(),
+        quarantine: study.quarantine.clone(),
+        settings: settings(&study),
+        date: report::Date::from_environment(),
+    };
+    let options = report::Options { provenance, pictures: !args.no_pictures };
+    let written = report::write(&study, &args.out, &options)?;
+    bar.finish_and_clear();
+    if args.json {
+        let summary = args.out.join("summary.json");
+        print!("{}", std::fs::read_to_string(&summary).map_err(|source| Error::file(summary, source))?);
+    } else {
+        print!("{}", summary(&study, &args.out, written.len()));
+    }
+    let whole = study.quarantine.is_empty() && study.runs.iter().all(|run| run.fit.is_ok());
+    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// What was asked, in words, for the provenance page.
+fn settings(study: &CampaignStudy) -> Vec<(String, String)> {
+    use crate::experiment::campaign::{Folds, HemLength};
+    let campaign = &study.campaign;
+    let folds = match campaign.folds {
+        Folds::Among { from, to } => format!("by evidence among {from} to {to}"),
+        Folds::Exactly(m) => format!("{m}, as asked"),
+    };
+    let length = match campaign.hem_length {
+        HemLength::Auto => "free; held where the free optimum is no sane curve".to_string(),
+        HemLength::Free => "free".to_string(),
+        HemLength::Held(length) => format!("held at {} mm", fixed(length / MILLIMETRE, 1)),
+    };
+    vec![
+        ("Fold count".into(), folds),
+        ("Hem length".into(), length),
+        ("Significance level".into(), format!("{}", campaign.alpha)),
+        ("Free fall".into(), format!("{} m/s²", campaign.gravity)),
+        ("Foundation modulus E".into(), format!("{} N/m³", campaign.foundation_modulus)),
+    ]
+}
+
+/// What a person wants to know before opening the report.
+fn summary(study: &CampaignStudy, out: &Path, files: usize) -> String {
+    let seen = overview(&study.runs);
+    let mut text = format!("{}\n{}\n\n", study.campaign.title, study.campaign.origin);
+    let mut say = |line: String| {
+        text.push_str(&line);
+        text.push('\n');
+    };
+    let millimetres = |metres: f64| fixed(metres / MILLIMETRE, 1);
+    say(format!("Runs      {} of {} fitted", seen.fitted, seen.runs));
+    let counts: Vec<String> =
+        seen.folds.iter().map(|(m, n)| if *m == 0 { format!("round: {n}") } else { format!("{m} folds: {n}") }).collect();
+    if !counts.is_empty() {
+        say(format!("Folds     {}", counts.join(", ")));
+    }
+    if let Some(rms) = seen.rms {
+        say(format!(
+            "Misfit    {} mm rms (median; {} to {}), {} held at the hem's length",
+            millimetres(rms.median),
+            millimetres(rms.low),
+            millimetres(rms.high),
+            seen.held
+        ));
+    }
+    if let Some(explained) = seen.explained {
+        say(format!(
+            "Curve     explains {} % of the outline's departure from a circle (median; {} to {})",
+            fixed(explained.median / PERCENT, 0),
+            fixed(explained.low / PERCENT, 0),
+            fixed(explained.high / PERCENT, 0)
+        ));
+    }
+    match &seen.theory {
+        Some(theory) => {
+            let mut line = format!("Theory    {}: fold count right in {} of {} runs", theory.fidelity, theory.folds_right, theory.runs);
+            line.push_str(&format!(", within one in {}", theory.folds_within_one));
+            if let (Some(radius), Some(depth), Some(rms)) = (theory.mean_radius, theory.depth, theory.rms) {
+                line.push_str(&format!(
+                    ";\n          at the fitted fold count hem {} mm {}, folds {} mm {}, {} mm rms apart (medians)",
+                    millimetres(radius.median.abs()),
+                    if radius.median < 0.0 { "too far in" } else { "too far out" },
+                    millimetres(depth.median.abs()),
+                    if depth.median < 0.0 { "too shallow" } else { "too deep" },
+                    millimetres(rms.median)
+                ));
+            }
+            say(line);
+        }
+        None => {
+            if let Some(reason) = study.runs.iter().find_map(|run| run.prediction_missing.as_deref()) {
+                say(format!("Theory    none: {reason}"));
+            }
+        }
+    }
+    for regression in &study.regressions {
+        let response = words::response(&regression.response);
+        let said = match &regression.analysis {
+            Ok(analysis) => effects(analysis),
+            Err(reason) => format!("not regressed: {reason}"),
+        };
+        say(format!("{:<24} {said}", response.label));
+    }
+    for note in &study.notes {
+        say(format!("Note      {note}"));
+    }
+    say(format!("\n{} ({files} files in {})", out.join("report.pdf").display(), out.display()));
+    text
+}
+
+/// The effects that hold against the whole family of tests, largest first.
+fn effects(analysis: &Analysis) -> String {
+    let mut terms: Vec<_> = analysis
+        .coefficients
+        .iter()
+        .filter(|c| c.term != "1" && c.p_holm.is_some_and(|p| p < 0.05))
+        .map(|c| (c.t.map_or(0.0, f64::abs), format!("{}{}", if c.estimate < 0.0 { "−" } else { "+" }, c.term)))
+        .collect();
+    terms.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut said =
+        if terms.is_empty() { "no effect".to_string() } else { terms.into_iter().map(|(_, term)| term).collect::<Vec<_>>().join(", ") };
+    if analysis.equal_variances.as_ref().is_some_and(|v| !v.holds) {
+        said.push_str("; cells differ in scatter");
+    }
+    if analysis.adequacy.as_ref().is_some_and(|v| !v.holds) {
+        said.push_str("; model not adequate");
+    }
+    said
+}

@@ -1,0 +1,243 @@
+//! The outline matched to the curve in order, once round, each stretched where that brings them nearer.
+//!
+//! Folds of one hem differ in width, so equal fractions of length drift apart. Dynamic time warping of two closed curves, in a band of about
+//! half a fold, keeps the order and leaves out no piece of either curve (Sakoe & Chiba, IEEE Trans. ASSP 26 (1978) 43–49, symmetric form).
+
+use std::f64::consts::TAU;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::outline::Outline;
+use super::start::{LengthTable, Start};
+use crate::experiment::Point;
+use crate::model::hem::{Hem, Placement};
+
+/// A curve and its match to the outline.
+#[derive(Debug, Clone)]
+pub struct Matched {
+    pub hem: Hem,
+    pub placement: Placement,
+    /// Curve parameter at equal fractions of the outline's length, ascending, one turn in all.
+    pub parameters: Vec<f64>,
+    /// Root mean square distance along the match, both curves weighed alike, m.
+    pub rms: f64,
+}
+
+impl Matched {
+    /// Curve parameter at fraction `f` (0…1) of the outline's length.
+    pub fn parameter(&self, f: f64) -> f64 {
+        let n = self.parameters.len();
+        let scaled = f.clamp(0.0, 1.0) * n as f64;
+        let i = (scaled as usize).min(n - 1);
+        let next = if i + 1 < n { self.parameters[i + 1] } else { self.parameters[0] + TAU };
+        self.parameters[i] + (scaled - i as f64) * (next - self.parameters[i])
+    }
+}
+
+/// Half width of the band, in folds: a fold may slide by up to this against its neighbours without being taken for the next one.
+const BAND: f64 = 0.6;
+/// Rounds of warping and solving; the estimate is a start, or what is left when nothing else is sane, and settles within these.
+const ROUNDS: usize = 12;
+
+/// Warps and solves in turn from `start`; holds the perimeter at `length` (m) if given.
+pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched {
+    let folds = start.hem.folds;
+    let stride = (outline.samples.len() / (20 * folds as usize).max(128)).max(1);
+    let samples: Vec<Point> = outline.samples.iter().copied().step_by(stride).collect();
+    let (mut hem, mut placement) = (start.hem, start.placement);
+    if let Some(length) = length {
+        hem = stretched(hem, length);
+    }
+    let mut best: Option<Matched> = None;
+    for _ in 0..ROUNDS {
+        let pairs = warp(&samples, &hem, &placement, start.offset);
+        let weight: f64 = pairs.iter().map(|p| p.weight).sum();
+        let square: f64 = pairs
+            .iter()
+            .map(|p| {
+                let on = hem.point(&placement, p.parameter);
+                p.weight * ((samples[p.sample].x - on.x).powi(2) + (samples[p.sample].y - on.y).powi(2))
+            })
+            .sum();
+        let rms = (square / weight).sqrt();
+        let settled = best.as_ref().is_some_and(|b| rms > b.rms * (1.0 - 1e-4));
+        if best.as_ref().is_none_or(|b| rms < b.rms) {
+            best = Some(Matched { hem, placement, parameters: parameters(&pairs, samples.len()), rms });
+        }
+        if settled {
+            break;
+        }
+        let Some((next, at)) = solve(&samples, &pairs, hem, placement, length) else { break };
+        (hem, placement) = (next, at);
+    }
+    best.expect("at least one round")
+}
+
+/// The same curve with its folds deepened or flattened until its perimeter is `length`, as nearly as folds can do it.
+pub fn stretched(hem: Hem, length: f64) -> Hem {
+    // A curve without folds has none to deepen: a small one shows the direction.
+    let hem = if hem.q.abs() + hem.s.abs() < 0.02 * hem.p { Hem { q: 0.02 * hem.p, ..hem } } else { hem };
+    let scaled = |factor: f64| Hem { q: factor * hem.q, s: factor * hem.s, ..hem };
+    if length <= scaled(0.0).perimeter() {
+        let shrink = length / hem.perimeter();
+        return Hem { p: hem.p * shrink, q: hem.q * shrink, s: hem.s * shrink, ..hem };
+    }
+    // Perimeter grows with the factor, convexly: Newton from above descends monotonically.
+    let mut factor = 1.0;
+    while scaled(factor).perimeter() < length {
+        factor *= 2.0;
+    }
+    for _ in 0..30 {
+        let (perimeter, [_, by_q, by_s]) = scaled(factor).perimeter_gradient();
+        let slope = by_q * hem.q + by_s * hem.s;
+        let step = (perimeter - length) / slope;
+        if !step.is_finite() {
+            break;
+        }
+        factor -= step;
+        if step.abs() <= 1e-14 * factor {
+            break;
+        }
+    }
+    scaled(factor)
+}
+
+/// One cell of the match.
+struct Pair {
+    sample: usize,
+    parameter: f64,
+    weight: f64,
+}
+
+/// The least-cost match in order, once round: first from sample 0, then again from half way round, so that neither end is pinned wrongly.
+fn warp(samples: &[Point], hem: &Hem, placement: &Placement, offset: f64) -> Vec<Pair> {
+    let n = samples.len();
+    let table = LengthTable::of(hem);
+    let nodes: Vec<(f64, Point)> = (0..n).map(|j| table.parameter(j as f64 / n as f64)).map(|t| (t, hem.point(placement, t))).collect();
+    let base = (-offset * n as f64).round() as i64;
+    let half = ((BAND * n as f64 / f64::from(hem.folds.max(1))) as i64).max(4);
+    let first = path(samples, &nodes, 0, 0, base, half);
+    let (_, lag) = *first.iter().find(|(i, _)| *i == n / 2).expect("the path visits every sample");
+    let path = path(samples, &nodes, n / 2, lag, base, half);
+    let mut pairs = Vec::with_capacity(path.len());
+    let mut last: Option<(usize, i64)> = None;
+    for &(i, lag) in &path {
+        let weight = match last {
+            Some((before, lag_before)) if before + 1 == i && lag_before == lag => 2.0,
+            _ => 1.0,
+        };
+        last = Some((i, lag));
+        let node = i as i64 + lag + base;
+        let turn = node.div_euclid(n as i64);
+        // Samples past the end are those of the next turn.
+        let turns_back = (i / n) as f64;
+        let parameter = nodes[node.rem_euclid(n as i64) as usize].0 + TAU * (turn as f64 - turns_back);
+        pairs.push(Pair { sample: i % n, parameter, weight });
+    }
+    // The closing cell repeats the first one.
+    pairs.pop();
+    pairs
+}
+
+/// Cells (sample, lag) of the cheapest path from (`from`, `lag`) once round to (`from + n`, `lag`).
+fn path(samples: &[Point], nodes: &[(f64, Point)], from: usize, lag: i64, base: i64, half: i64) -> Vec<(usize, i64)> {
+    let n = samples.len();
+    let width = (2 * half + 1) as usize;
+    let cost = |i: usize, k: usize| {
+        let node = (i as i64 + k as i64 - half + base).rem_euclid(n as i64) as usize;
+        let (a, b) = (samples[i % n], nodes[node].1);
+        (a.x - b.x).powi(2) + (a.y - b.y).powi(2)
+    };
+    let start = (lag + half) as usize;
+    let mut total = vec![f64::INFINITY; (n + 1) * width];
+    // 0: both advance, 1: the sample advances, 2: the node advances.
+    let mut came = vec![0_u8; (n + 1) * width];
+    for step in 0..=n {
+        let i = from + step;
+        for k in 0..width {
+            let here = cost(i, k);
+            let at = step * width + k;
+            if step == 0 && k == start {
+                total[at] = here;
+                continue;
+            }
+            let mut best = (f64::INFINITY, 0);
+            if 0 < step {
+                let before = at - width;
+                if total[before] + 2.0 * here < best.0 {
+                    best = (total[before] + 2.0 * here, 0);
+                }
+                if k + 1 < width && total[before + 1] + here < best.0 {
+                    best = (total[before + 1] + here, 1);
+                }
+            }
+            if 0 < k && total[at - 1] + here < best.0 {
+                best = (total[at - 1] + here, 2);
+            }
+            (total[at], came[at]) = best;
+        }
+    }
+    let mut cells = Vec::with_capacity(2 * n);
+    let (mut step, mut k) = (n, start);
+    loop {
+        cells.push((from + step, k as i64 - half));
+        if step == 0 && k == start {
+            break;
+        }
+        match came[step * width + k] {
+            0 => step -= 1,
+            1 => {
+                step -= 1;
+                k += 1;
+            }
+            _ => k -= 1,
+        }
+    }
+    cells.reverse();
+    cells
+}
+
+/// Mean parameter of the cells of each sample: ascending, because the path is.
+fn parameters(pairs: &[Pair], n: usize) -> Vec<f64> {
+    let mut sum = vec![(0.0, 0.0); n];
+    for pair in pairs {
+        sum[pair.sample].0 += pair.parameter;
+        sum[pair.sample].1 += 1.0;
+    }
+    sum.into_iter().map(|(total, count)| total / count).collect()
+}
+
+/// One Gauss–Newton step for the match at hand, on the length constraint if there is one.
+fn solve(samples: &[Point], pairs: &[Pair], hem: Hem, placement: Placement, length: Option<f64>) -> Option<(Hem, Placement)> {
+    let mut normal = SMatrix::<f64, 6, 6>::zeros();
+    let mut right = SVector::<f64, 6>::zeros();
+    for pair in pairs {
+        let local = hem.local(pair.parameter);
+        let (sin, cos) = (pair.parameter + placement.phase).sin_cos();
+        let (rho, tau) = local.position;
+        let ex = samples[pair.sample].x - placement.x0 - (rho * cos - tau * sin);
+        let ey = samples[pair.sample].y - placement.y0 - (rho * sin + tau * cos);
+        let by_x = SVector::from([1.0, 0.0, -rho * sin - tau * cos, cos, local.cos_fold * cos, -local.sin_lean * sin]);
+        let by_y = SVector::from([0.0, 1.0, rho * cos - tau * sin, sin, local.cos_fold * sin, local.sin_lean * cos]);
+        normal += pair.weight * (by_x * by_x.transpose() + by_y * by_y.transpose());
+        right += pair.weight * (by_x * ex + by_y * ey);
+    }
+    let factor = normal.cholesky()?;
+    let mut step = factor.solve(&right);
+    if let Some(length) = length {
+        let (perimeter, [by_p, by_q, by_s]) = hem.perimeter_gradient();
+        let gradient = SVector::from([0.0, 0.0, 0.0, by_p, by_q, by_s]);
+        let across = factor.solve(&gradient);
+        step += across * ((length - perimeter - gradient.dot(&step)) / gradient.dot(&across));
+    }
+    // A match is only as good as the curve it was made for: large steps wait for the next match.
+    let largest = 0.3 * hem.p / step.rows(3, 3).amax().max(f64::MIN_POSITIVE);
+    let step = step * largest.min(1.0);
+    let next = Hem { p: hem.p + step[3], q: hem.q + step[4], s: hem.s + step[5], folds: hem.folds };
+    let at = Placement { x0: placement.x0 + step[0], y0: placement.y0 + step[1], phase: placement.phase + step[2] };
+    let next = match length {
+        Some(length) if next.p > 0.0 => stretched(next, length),
+        _ => next,
+    };
+    (next.p.is_finite() && next.q.is_finite() && next.s.is_finite()).then_some((next, at))
+}

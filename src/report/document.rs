@@ -1,0 +1,159 @@
+//! The report as a document: what the template shows, in words and rounded numbers.
+
+mod regression;
+mod runs;
+mod story;
+mod theory;
+
+use serde_json::{Value, json};
+
+use super::gallery::Gallery;
+use super::number::plain;
+use super::typeset::{self, Manuscript};
+use super::{Provenance, number};
+use crate::error::Error;
+use crate::experiment::campaign::{Folds, HemLength};
+use crate::experiment::{Apparatus, Campaign};
+use crate::study::campaign::CampaignStudy;
+use crate::units::{CENTIMETRE, MILLIMETRE};
+
+/// The document's markup; it reads `data.json` and `figures/*.svg`.
+const TEMPLATE: &str = include_str!("template/report.typ");
+
+/// Longest origin that the footer of every page can hold, in characters.
+const FOOTER: usize = 200;
+
+/// Sets the report of a campaign with the figures of its gallery.
+///
+/// # Errors
+/// [`Error::Output`] if the document cannot be set.
+pub fn pdf(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Result<Vec<u8>, Error> {
+    let mut manuscript = Manuscript { template: TEMPLATE.into(), date: provenance.date, ..Manuscript::default() };
+    manuscript.files.insert("data.json".into(), data(study, gallery, provenance).to_string().into_bytes());
+    for (stem, svg) in gallery {
+        manuscript.files.insert(format!("figures/{stem}.svg"), svg.clone().into_bytes());
+    }
+    typeset::pdf(manuscript)
+}
+
+/// Everything that the template shows.
+fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Value {
+    let campaign = &study.campaign;
+    let fidelity = study.runs.iter().find_map(|r| r.prediction.as_ref()).map_or("ruled shell", |p| p.fidelity.as_str());
+    json!({
+        "title": campaign.title,
+        "origin": campaign.origin,
+        "origin-short": shortened(&campaign.origin),
+        "program": concat!("hemline ", env!("CARGO_PKG_VERSION")),
+        "date": provenance.date.map(|d| d.to_string()),
+        "apparatus": apparatus(campaign.apparatus),
+        "alpha": plain(campaign.alpha),
+        "facts": facts(study, provenance),
+        "summary": story::summary(study, provenance),
+        "multiples": gallery.keys().filter(|stem| stem.starts_with("all_runs_")).collect::<Vec<_>>(),
+        "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
+        "theory": theory::chapter(study),
+        "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),
+        "fits": study.runs.iter().map(runs::row).collect::<Vec<_>>(),
+        "lambda-name": if runs::has_cloth(study) { "λ, N/m²" } else { "λ/(ρg)" },
+        "foundation": plain(campaign.foundation_modulus),
+        "fidelity": fidelity,
+        "quarantine": provenance.quarantine.iter().map(|q| json!([
+            q.run.clone().unwrap_or_default(),
+            q.file.display().to_string(),
+            q.row.map(|r| r.to_string()).unwrap_or_default(),
+            q.value,
+            q.problem,
+            q.remedy,
+        ])).collect::<Vec<_>>(),
+        "settings": provenance.settings.iter().map(|(k, v)| json!([k, v])).collect::<Vec<_>>(),
+        "sources": provenance.sources.iter().map(|s| json!([s.file.display().to_string(), s.bytes.to_string(), s.digest])).collect::<Vec<_>>(),
+    })
+}
+
+fn apparatus(apparatus: Apparatus) -> &'static str {
+    match apparatus {
+        Apparatus::Skirt => "conic skirts",
+        Apparatus::Drapemeter => "drape tester",
+    }
+}
+
+/// The title page's table: what, how, from which files.
+fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
+    let campaign = &study.campaign;
+    let mut facts = vec![];
+    let mut fact = |name: &str, value: String| facts.push([name.to_string(), value]);
+    fact("Program", concat!("hemline ", env!("CARGO_PKG_VERSION")).into());
+    if let Some(date) = provenance.date {
+        fact("Date", date.to_string());
+    }
+    fact("Campaign folder", campaign.folder.display().to_string());
+    let profiles = study.runs.iter().filter(|r| r.profile.is_some()).count();
+    fact("Runs", format!("{}, {profiles} with a usable profile", study.runs.len()));
+    for factor in &campaign.design.factors {
+        let unit = factor.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+        let label = if factor.label == factor.name { String::new() } else { format!("{}: ", factor.label) };
+        fact(&format!("Factor “{}”", factor.name), format!("{label}{} (−1), {} (+1){unit}", plain(factor.low), plain(factor.high)));
+    }
+    if let Some(cut) = cut(campaign) {
+        fact("Cut", cut);
+    }
+    fact("Folds", folds(campaign.folds));
+    fact("Hem length", hem_length(campaign.hem_length));
+    fact("Gravity", format!("{} m/s²", plain(campaign.gravity)));
+    fact("Significance level", plain(campaign.alpha));
+    match provenance.sources.as_slice() {
+        [] => (),
+        sources => {
+            let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
+            let first: Vec<String> = sources.iter().take(2).map(|s| format!("{} {}", s.file.display(), s.digest)).collect();
+            fact("Inputs", format!("{} files, {bytes} bytes; {}; all digests in the appendix", sources.len(), first.join(", ")));
+        }
+    }
+    facts
+}
+
+/// The dimensions that all runs share, and that some do not.
+fn cut(campaign: &Campaign) -> Option<String> {
+    let skirts: Vec<_> = campaign.design.runs.iter().filter_map(|r| r.skirt).collect();
+    let first = skirts.first()?;
+    let said = |name: &str, pick: fn(&crate::experiment::Skirt) -> f64| {
+        let value = pick(first) / CENTIMETRE;
+        let alike = skirts.iter().all(|s| pick(s) == pick(first));
+        if alike { format!("{name} {} cm", plain(value)) } else { format!("{name} as each run has it") }
+    };
+    let parts = [
+        said(if campaign.apparatus == Apparatus::Drapemeter { "support radius" } else { "waist radius" }, |s| s.waist_radius().0),
+        said(if campaign.apparatus == Apparatus::Drapemeter { "specimen radius" } else { "hem radius" }, |s| s.hem_radius().0),
+        said("slant length", |s| s.slant_length().0),
+    ];
+    Some(parts.join(", "))
+}
+
+fn folds(folds: Folds) -> String {
+    match folds {
+        Folds::Among { from, to } => format!("by weight of evidence among {from}…{to}"),
+        Folds::Exactly(m) => format!("given: {m}"),
+    }
+}
+
+fn hem_length(length: HemLength) -> String {
+    match length {
+        HemLength::Auto => "free; held at the outline’s length where the free optimum is no sane curve".into(),
+        HemLength::Free => "free".into(),
+        HemLength::Held(m) => format!("held at {} mm", number::fixed(m / MILLIMETRE, 1)),
+    }
+}
+
+/// The first sentence where the whole is too long for a footer, and at most as much as fits.
+fn shortened(origin: &str) -> String {
+    if origin.chars().count() <= FOOTER {
+        return origin.to_string();
+    }
+    let sentence = origin.split_inclusive(". ").next().unwrap_or(origin).trim();
+    if sentence.chars().count() <= FOOTER {
+        return sentence.to_string();
+    }
+    let cut: String = sentence.chars().take(FOOTER - 1).collect();
+    format!("{}…", cut.trim_end())
+}

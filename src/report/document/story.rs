@@ -1,0 +1,147 @@
+//! The summary page: what was measured, what was found, what to be careful with, in sentences.
+
+use serde_json::{Value, json};
+
+use super::regression::term;
+use super::theory;
+use crate::experiment::Apparatus;
+use crate::report::note::SMALL_SHARE;
+use crate::report::number::{fixed, with_error};
+use crate::report::{Provenance, words};
+use crate::statistics::box_wilson::{Analysis, Coefficient, Verdict};
+use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::overview::{Overview, overview, spread};
+use crate::units::MILLIMETRE;
+
+/// The parts of the summary page.
+pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
+    let seen = overview(&study.runs);
+    json!({
+        "measured": measured(study, &seen),
+        "found": found(study, &seen),
+        "verdicts": study.regressions.iter().filter_map(|r| Some(verdict_row(&r.response, r.analysis.as_ref().ok()?))).collect::<Vec<_>>(),
+        "theory": seen.theory.as_ref().map(theory::words).unwrap_or_default(),
+        "cautions": cautions(study, provenance, &seen),
+    })
+}
+
+fn measured(study: &CampaignStudy, seen: &Overview) -> Vec<String> {
+    let what = match study.campaign.apparatus {
+        Apparatus::Skirt => "hems of conic skirts hanging from a waist ring",
+        Apparatus::Drapemeter => "hems of flat discs of cloth on a drape tester",
+    };
+    let factors: Vec<&str> = study.campaign.design.factors.iter().map(|f| f.label.as_str()).collect();
+    let cells = crate::report::gallery::cells(&study.runs);
+    let replicates: Vec<usize> = cells.iter().map(|(_, runs)| runs.len()).collect();
+    let (fewest, most) = (replicates.iter().min().copied().unwrap_or(0), replicates.iter().max().copied().unwrap_or(0));
+    let each = if fewest == most { fewest.to_string() } else { format!("{fewest} to {most}") };
+    let points: Vec<f64> = study.runs.iter().filter_map(|r| r.profile.as_ref()).map(|p| p.points().len() as f64).collect();
+    let mut said = vec![format!("{} {what}, {} of them usable.", seen.runs, seen.profiles)];
+    if !factors.is_empty() {
+        said.push(format!("Factors: {}; {} cells with {each} replicates each.", factors.join(", "), cells.len()));
+    }
+    if let Some(points) = spread(points) {
+        let many =
+            if points.low == points.high { fixed(points.low, 0) } else { format!("{} to {}", fixed(points.low, 0), fixed(points.high, 0)) };
+        said.push(format!("Each hem as {many} points of its outline seen from above."));
+    }
+    said
+}
+
+fn found(study: &CampaignStudy, seen: &Overview) -> Vec<String> {
+    let folds: Vec<String> = seen
+        .folds
+        .iter()
+        .map(|(m, runs)| {
+            let shape = if *m == 0 { "round".into() } else { format!("{m} folds") };
+            format!("{shape} in {runs}")
+        })
+        .collect();
+    let mut said = vec![];
+    if !folds.is_empty() {
+        said.push(format!("{} of {} hems were fitted: {}.", seen.fitted, seen.runs, folds.join(", ")));
+    }
+    if let (Some(rms), Some(explained)) = (seen.rms, seen.explained) {
+        said.push(format!(
+            "The fitted curve passes the points at {} mm rms (median; {} to {} mm) and explains {} % of their departure from a circle (median; {} to {} %).",
+            fixed(rms.median / MILLIMETRE, 1),
+            fixed(rms.low / MILLIMETRE, 1),
+            fixed(rms.high / MILLIMETRE, 1),
+            fixed(100.0 * explained.median, 0),
+            fixed(100.0 * explained.low, 0),
+            fixed(100.0 * explained.high, 0),
+        ));
+    }
+    let r2 = study.runs.iter().filter_map(|r| r.lambda.first_integral.or(r.lambda.over_weight)).map(|(_, r2)| r2);
+    if let Some(r2) = spread(r2) {
+        let verdict = if r2.median < 0.5 { "holds badly: λ is reported, but means little" } else { "holds at least roughly" };
+        said.push(format!(
+            "The relation behind λ (first integral) {verdict}: R² {} in the median ({} to {}).",
+            fixed(r2.median, 2),
+            fixed(r2.low, 2),
+            fixed(r2.high, 2)
+        ));
+    }
+    said
+}
+
+fn verdict_row(response: &str, analysis: &Analysis) -> Value {
+    let said = words::response(response);
+    let label = if said.unit.is_empty() { said.label } else { format!("{}, {}", said.label, said.unit) };
+    let mean = analysis.coefficients.iter().find(|c| c.term == "1");
+    let holds = |v: &Option<Verdict>| v.as_ref().map_or("not tested", |v| if v.holds { "yes" } else { "no" });
+    json!([
+        label,
+        mean.map(|c| with_error(c.estimate, c.se)).unwrap_or_default(),
+        influences(analysis),
+        holds(&analysis.equal_variances),
+        holds(&analysis.adequacy),
+        analysis.full.r_squared().map(|r2| fixed(r2, 2)).unwrap_or_default(),
+    ])
+}
+
+/// “conicity +, rigidity −, [density +]”.
+fn influences(analysis: &Analysis) -> String {
+    let mut found: Vec<&Coefficient> = analysis.coefficients.iter().filter(|c| c.significant && c.term != "1").collect();
+    found.sort_by(|a, b| b.estimate.abs().total_cmp(&a.estimate.abs()));
+    let name = |c: &&Coefficient| {
+        let text = format!("{} {}", term(&c.term), if 0.0 < c.estimate { "+" } else { "−" });
+        if c.p_holm.is_some_and(|p| 0.05 < p) { format!("[{text}]") } else { text }
+    };
+    if found.is_empty() { "none".into() } else { found.iter().map(name).collect::<Vec<_>>().join(", ") }
+}
+
+fn cautions(study: &CampaignStudy, provenance: &Provenance, seen: &Overview) -> Vec<String> {
+    let mut said = vec![];
+    let list =
+        |pick: &dyn Fn(&RunStudy) -> bool| -> Vec<&str> { study.runs.iter().filter(|r| pick(r)).map(|r| r.run.id.as_str()).collect() };
+    let aside = list(&|r| r.fit.is_err());
+    if !aside.is_empty() {
+        said.push(format!("Without a fit: {}.", named(&aside)));
+    }
+    if !provenance.quarantine.is_empty() {
+        let (n, verb) = match provenance.quarantine.len() {
+            1 => ("One thing".to_string(), "was"),
+            many => (format!("{many} things"), "were"),
+        };
+        said.push(format!("{n} in the input {verb} set aside; the chapter before the appendix says what and why."));
+    }
+    let irregular = list(&|r| r.fit.as_ref().is_ok_and(|f| f.folds.is_some() && f.explained < SMALL_SHARE));
+    if !irregular.is_empty() {
+        said.push(format!("Irregular folds, of which the curve explains less than half: {}.", named(&irregular)));
+    }
+    if 0 < seen.held {
+        let held = list(&|r| r.fit.as_ref().is_ok_and(|f| f.held.is_some()));
+        said.push(format!("Hem length held, because the free optimum was no sane curve or as asked: {}.", named(&held)));
+    }
+    said.extend(study.notes.iter().map(|note| crate::report::note::sentence(note)));
+    said
+}
+
+/// “run 7” or “runs 3, 7, 12”.
+fn named(runs: &[&str]) -> String {
+    match runs {
+        [one] => format!("run {one}"),
+        many => format!("runs {}", many.join(", ")),
+    }
+}

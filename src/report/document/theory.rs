@@ -1,0 +1,75 @@
+//! The chapter on theory against measurement: by how much they disagree, in mm.
+
+use serde_json::{Value, json};
+
+use crate::report::gallery::cells;
+use crate::report::number::{fixed, signed, significant};
+use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::overview::{Spread, TheoryOverview, overview};
+use crate::units::{MILLIJOULE, MILLIMETRE};
+
+/// `null` where nothing was predicted.
+pub fn chapter(study: &CampaignStudy) -> Value {
+    let Some(theory) = overview(&study.runs).theory else { return Value::Null };
+    let rows: Vec<Value> = cells(&study.runs).iter().flat_map(|(_, runs)| runs).filter_map(|run| row(run)).collect();
+    json!({ "words": words(&theory), "rows": rows })
+}
+
+/// What the comparison says, in sentences.
+pub fn words(theory: &TheoryOverview) -> Vec<String> {
+    let mut words = vec![format!(
+        "Theory, {}, knows only cloth and cut; nothing in it was fitted. It predicts the fitted fold count in {} of {} runs and is within one in {}.",
+        theory.fidelity, theory.folds_right, theory.runs, theory.folds_within_one
+    )];
+    if let Some(rms) = theory.rms {
+        words.push(format!(
+            "At the fitted fold count the measured points lie {} mm rms from the predicted hem (median; {} to {} mm).",
+            mm(rms.median),
+            mm(rms.low),
+            mm(rms.high)
+        ));
+    }
+    if let Some(radius) = theory.mean_radius {
+        words.push(format!(
+            "The predicted hem hangs {} (mean radius; {}).",
+            sided(radius.median, "further out", "further in"),
+            range(&radius)
+        ));
+    }
+    if let Some(depth) = theory.depth {
+        words.push(format!("The predicted folds are {} ({}).", sided(depth.median, "deeper", "shallower"), range(&depth)));
+    }
+    words
+}
+
+fn mm(metres: f64) -> String {
+    fixed(metres / MILLIMETRE, 1)
+}
+
+/// “9.1 mm further in”.
+fn sided(metres: f64, positive: &str, negative: &str) -> String {
+    format!("{} mm {}", mm(metres.abs()), if metres < 0.0 { negative } else { positive })
+}
+
+fn range(spread: &Spread) -> String {
+    let signed = |v: f64| signed(v / MILLIMETRE, 1);
+    format!("median of {} runs; {} to {} mm, theory − fit", spread.n, signed(spread.low), signed(spread.high))
+}
+
+fn row(study: &RunStudy) -> Option<Value> {
+    let (fit, comparison, prediction) = (study.fit.as_ref().ok()?, study.comparison.as_ref()?, study.prediction.as_ref()?);
+    let radius = (fit.area / std::f64::consts::PI).sqrt();
+    let differs = Some(prediction.folds) != fit.folds;
+    Some(json!([
+        study.run.id,
+        fit.folds.map_or_else(|| "round".into(), |m| m.to_string()),
+        format!("{}{}", prediction.folds, if differs { " ≠" } else { "" }),
+        mm(radius),
+        signed(comparison.mean_radius / MILLIMETRE, 1),
+        mm(fit.fold_depth),
+        signed(comparison.depth / MILLIMETRE, 1),
+        mm(comparison.rms),
+        mm(fit.rms),
+        significant(prediction.energy / MILLIJOULE, 4),
+    ]))
+}

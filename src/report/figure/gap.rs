@@ -1,0 +1,124 @@
+//! Figure: theory minus measurement in mm, run by run.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::sheet::{self, BLUE, Drawn, FULL_WIDTH, GREY, INK, SMALL, VERMILLION, dashed, line, padded, solid, steps};
+use crate::error::Error;
+use crate::report::number;
+
+const PANEL: f64 = 40.0;
+const BELOW: f64 = 11.0;
+
+/// One run's differences, mm, in the order in which they are drawn.
+#[derive(Debug, Clone)]
+pub struct Gap {
+    pub run: String,
+    /// Runs of one cell of the design have the same number and stand together.
+    pub cell: usize,
+    /// Root mean square distance of the measured points from the predicted hem.
+    pub rms: f64,
+    /// Predicted minus fitted.
+    pub mean_radius: f64,
+    /// Predicted minus fitted.
+    pub depth: f64,
+    /// Root mean square distance of the measured points from the fitted curve: what no hem of this family can beat by much.
+    pub fit_rms: f64,
+}
+
+/// Three panels over the runs: shape, mean radius, depth. `medians` are drawn as reference lines.
+///
+/// # Errors
+/// [`Error::Output`] if it cannot be drawn.
+pub fn draw(gaps: &[Gap], medians: [f64; 3]) -> Result<String, Error> {
+    sheet::draw("figure of theory minus measurement", FULL_WIDTH, 3.0 * PANEL + BELOW, |area| {
+        let rms: Vec<f64> = gaps.iter().map(|g| g.rms).collect();
+        let floor: Vec<f64> = gaps.iter().map(|g| g.fit_rms).collect();
+        panel(
+            area,
+            gaps,
+            0,
+            "Shape: rms distance of the points from the predicted hem (open: from the fitted curve)",
+            &rms,
+            Some(&floor),
+            medians[0],
+        )?;
+        let radius: Vec<f64> = gaps.iter().map(|g| g.mean_radius).collect();
+        panel(area, gaps, 1, "Mean radius, predicted − fitted", &radius, None, medians[1])?;
+        let depth: Vec<f64> = gaps.iter().map(|g| g.depth).collect();
+        panel(area, gaps, 2, "Fold depth, predicted − fitted", &depth, None, medians[2])
+    })
+}
+
+fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &[f64], floor: Option<&[f64]>, median: f64) -> Drawn {
+    let top = PANEL * row as f64;
+    let last = row == 2;
+    sheet::title(area, &format!("{name}, n = {}", gaps.len()), 0.5, top + 2.5)?;
+    let left = 14.0;
+    let below = if last { BELOW } else { 2.0 };
+    let plot = sheet::part(area, 0.0, top + 5.5, FULL_WIDTH - 1.0, PANEL - 7.5 + below);
+    // The last tenth is left to the median's label.
+    let end = 1.1 * gaps.len() as f64 + 1.0;
+    let y = padded(values.iter().chain(floor.unwrap_or_default()).copied().chain([0.0]), 0.08);
+    let mut axes = ChartBuilder::on(&plot)
+        .set_label_area_size(LabelAreaPosition::Left, steps(left))
+        .set_label_area_size(LabelAreaPosition::Bottom, steps(below))
+        .build_cartesian_2d(0.0..end, y.0..y.1)?;
+    axes.configure_mesh()
+        .disable_x_mesh()
+        .disable_x_axis()
+        .y_labels(5)
+        .max_light_lines(0)
+        .bold_line_style(line(sheet::PALE, 0.1))
+        .axis_style(line(GREY, 0.15))
+        .set_all_tick_mark_size(steps(1.0))
+        .label_style(sheet::font(SMALL).color(&INK))
+        .axis_desc_style(sheet::font(sheet::LABEL).color(&INK))
+        .y_desc("mm")
+        .y_label_formatter(&|v| number::fixed(*v, usize::from(y.1 - y.0 < 4.0)))
+        .draw()?;
+    solid(&mut axes, &[(0.0, 0.0), (end, 0.0)], line(INK, 0.25))?;
+    dashed(&mut axes, &[(0.0, median), (end, median)], line(VERMILLION, 0.3), 1.4, 0.9)?;
+    for (i, pair) in gaps.windows(2).enumerate() {
+        if pair[0].cell != pair[1].cell {
+            let x = i as f64 + 1.5;
+            solid(&mut axes, &[(x, y.0), (x, y.1)], line(sheet::PALE, 0.2))?;
+        }
+    }
+    for (i, value) in values.iter().enumerate() {
+        let x = (i + 1) as f64;
+        solid(&mut axes, &[(x, 0.0), (x, *value)], line(BLUE, 0.35))?;
+        sheet::dots(&mut axes, &[(x, *value)], 0.75, BLUE)?;
+        if let Some(floor) = floor {
+            axes.draw_series(std::iter::once(Circle::new((x, floor[i]), steps(0.7), line(INK, 0.25))))?;
+        }
+        if last {
+            // Forty names fit side by side; more are thinned evenly.
+            let every = gaps.len().div_ceil(45);
+            if i % every == 0 {
+                let at = left + (FULL_WIDTH - 1.0 - left) * x / (end);
+                sheet::text_centre(area, &gaps[i].run, at, top + PANEL + 1.2, if gaps.len() < 30 { SMALL } else { 5.8 }, INK)?;
+            }
+        }
+    }
+    sheet::note(
+        &mut axes,
+        "median",
+        (end, median),
+        0.0,
+        sheet::mark(SMALL, VERMILLION, HPos::Right).pos(Pos::new(HPos::Right, VPos::Bottom)),
+    )?;
+    let text = format!("{} mm", number::signed(median, 1));
+    sheet::note(&mut axes, &text, (end, median), 0.0, sheet::mark(SMALL, VERMILLION, HPos::Right).pos(Pos::new(HPos::Right, VPos::Top)))?;
+    if last {
+        sheet::text_centre(
+            area,
+            "run; runs of one cell stand together",
+            left + 0.5 * (FULL_WIDTH - left),
+            top + PANEL + 6.5,
+            sheet::LABEL,
+            INK,
+        )?;
+    }
+    Ok(())
+}

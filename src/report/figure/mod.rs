@@ -1,0 +1,18 @@
+//! Results → vector figures (SVG). Drawing geometry only: every number that is shown was computed elsewhere.
+
+pub mod agreement;
+pub mod cube;
+pub mod distance;
+pub mod gap;
+pub mod half_normal;
+pub mod hem;
+pub mod interactions;
+pub mod main_effects;
+pub mod multiples;
+pub mod pareto;
+pub mod residuals;
+pub mod sheet;
+pub mod symbols;
+
+#[cfg(test)]
+mod tests;
