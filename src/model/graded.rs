@@ -519,7 +519,6 @@ mod tests {
         // Birthplace: docs/model.md, section 5b: K 1, J 4 in the polynomial basis; α printed to six digits, and the energy is stationary there.
         let alpha = DVector::from_vec(vec![2.441794, -1.448642, 0.425606, -0.094354]);
         let budget = shell(HeightBasis::Polynomial, 1, 4, 0.0).budget(&alpha).unwrap();
-        println!("{budget:?} {}", budget.gravity + budget.bending);
         assert!((budget.gravity + budget.bending - 0.0033096787).abs() < 1e-10);
     }
 

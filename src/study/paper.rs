@@ -180,7 +180,6 @@ mod tests {
         for row in &check.folds {
             assert!(row.onset.unwrap() < row.limit.unwrap_or(f64::INFINITY), "{row:?}");
         }
-        println!("{:#?}", check.findings);
         assert_eq!(check.findings.len(), 7);
     }
 }
