@@ -3,6 +3,7 @@
 pub mod csv;
 pub mod date;
 pub mod document;
+pub mod fidelities;
 pub mod figure;
 pub mod gallery;
 pub mod note;
