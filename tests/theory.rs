@@ -239,3 +239,26 @@ fn graded_shell_folds_less_readily_than_the_ruled_one() {
     let counts = [2e-6, 1e-5, 5e-5].map(|b| graded(0.2362, b, Folds::Auto, 1, 4).folds);
     assert_eq!(counts, [8, 6, 4]);
 }
+
+#[test]
+fn paper_s_curve_misses_the_exact_hem_by_millimetres() {
+    // Birthplace: docs/model.md, section 5: orthogonal distance of p, q, s to the hem at K = 8, digits as printed there.
+    for (rigidity, m, millimetres) in [(1e-5, 5, 3.2), (2e-6, 7, 1.4), (5e-5, 4, 4.6)] {
+        let hem = ruled(0.2362, rigidity, Folds::Exactly(m), 8);
+        close(hem.hem_rms.unwrap(), millimetres * 1e-3, 0.5e-4, "rms");
+        assert_eq!(hem.hem.unwrap().folds, m);
+    }
+}
+
+#[test]
+fn ruled_and_ansatz_price_hem_length_alike() {
+    // Two Ritz families of one energy: their least energies differ by 2 %, the derivatives of these by length by some more.
+    for (rigidity, m) in [(1e-5, 5), (2e-6, 7)] {
+        let options = Options { fidelity: Fidelity::Ansatz, folds: Folds::Exactly(m), ..Options::default() };
+        let ansatz = predict(&skirt(0.2362), &fabric(0.2, rigidity), &options).unwrap().multiplier.unwrap();
+        let ruled = ruled(0.2362, rigidity, Folds::Exactly(m), 8).multiplier.unwrap();
+        println!("m = {m}: ansatz {}, ruled {}", ansatz.value, ruled.value);
+        assert_eq!(ansatz.unit, ruled.unit);
+        assert!((ruled.value / ansatz.value - 1.0).abs() < 0.15, "{ruled:?} {ansatz:?}");
+    }
+}

@@ -137,6 +137,9 @@ fn to_json(prediction: &Prediction) -> Value {
     if let Some(hem) = &prediction.hem {
         out.extend([("p_m", hem.p), ("q_m", hem.q), ("s_m", hem.s)].map(|(key, value)| (key.to_string(), json!(value))));
     }
+    if let Some(rms) = prediction.hem_rms {
+        out.insert("p_q_s_rms_m".into(), json!(rms));
+    }
     if let Some(multiplier) = &prediction.multiplier {
         out.insert("lambda".into(), json!(multiplier.value));
         out.insert("lambda_unit".into(), json!(multiplier.unit));
@@ -195,8 +198,9 @@ fn to_text(prediction: &Prediction) -> String {
     } else {
         out += &format!("functional   {:.6} {}\n", prediction.energy, prediction.energy_unit);
     }
-    if let Some(hem) = &prediction.hem {
-        out += &format!("p, q, s      {:.2}, {:.2}, {:.2} mm\n", millimetres(hem.p), millimetres(hem.q), millimetres(hem.s));
+    if let (Some(hem), Some(rms)) = (&prediction.hem, prediction.hem_rms) {
+        let (p, q, s, rms) = (millimetres(hem.p), millimetres(hem.q), millimetres(hem.s), millimetres(rms));
+        out += &format!("p, q, s      {p:.2}, {q:.2}, {s:.2} mm, which miss this hem by {rms:.1} mm rms\n");
     }
     if let Some(multiplier) = &prediction.multiplier {
         out += &format!("lambda       {:.6} {}\n", multiplier.value, multiplier.unit);
@@ -264,7 +268,9 @@ mod tests {
         assert_eq!((polar["lambda_unit"].as_str(), polar.get("energy_j")), (Some("N/m²"), None));
         let ansatz = of("ansatz");
         assert!((ansatz["p_m"].as_f64().unwrap() - 0.13152467).abs() < 1e-8 && ansatz["lambda_unit"] == "N");
-        assert!(of("ruled").get("p_m").is_none());
+        let ruled = of("ruled");
+        assert!((ruled["p_m"].as_f64().unwrap() / ansatz["p_m"].as_f64().unwrap() - 1.0).abs() < 0.05);
+        assert_eq!((ansatz["p_q_s_rms_m"].as_f64(), ruled["lambda_unit"].as_str()), (Some(0.0), Some("N")));
         let graded = of("graded");
         assert_eq!((graded["folds"].as_u64(), graded["coefficients"].as_array().unwrap().len()), (Some(5), 3));
     }

@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
 use crate::model::energy::gravity::Gravity;
+use crate::numerics::jet::Jet;
 use crate::numerics::minimize::{Expansion, Smooth};
 
 /// The ruled shell of one skirt over hems of `folds` folds and `harmonics` coefficients, discretized.
@@ -91,6 +92,24 @@ impl RuledShell {
             budget.bending += self.weights[n] * (constant[0] + quadratic[0] * slope[n] * slope[n]);
         }
         Some(budget)
+    }
+
+    /// Mean Lagrange multiplier of the hem's length, N: by how much the energy of the shape with coefficients `a` changes per metre of hem.
+    ///
+    /// Derivative by |dc/dσ| alone, over 2π; cloth and waist stay as they are. At a minimum over `a` it is the derivative of the least energy.
+    pub fn length_multiplier(&self, a: &DVector<f64>) -> Option<f64> {
+        let (psi, slope) = (&self.sines * a, &self.slopes * a);
+        let hem = self.position(&psi);
+        let count = psi.len();
+        let mut sum = 0.0;
+        for n in 0..count {
+            let (x, y) = (hem[n] - self.waist, hem[count + n]);
+            // h is proportional to the hem's radius.
+            sum += self.weights[n] * self.gravity.density(x * x + y * y)?.first * 2.0 * (x * hem[n] + y * hem[count + n]) / self.hem;
+            let (constant, quadratic) = self.bending.density(Jet::<1>::constant(psi[n].cos()), Jet::variable(self.hem, 0));
+            sum += self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
+        }
+        Some(sum / TAU)
     }
 
     /// (Re h, Im h) at the nodes, stacked, m.
@@ -321,6 +340,21 @@ mod tests {
             let column = (up.gradient - down.gradient) / (2.0 * h);
             assert!((exact.hessian.column(k) - column).amax() < 1e-11);
         }
+    }
+
+    #[test]
+    fn length_multiplier_agrees_with_a_longer_hem() {
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let h = 1e-6;
+        let at = |by: f64| {
+            let mut longer = shell(5, 4);
+            longer.kernel *= (longer.hem + by) / longer.hem;
+            longer.hem += by;
+            longer.budget(&a).unwrap().total()
+        };
+        let numeric = (at(h) - at(-h)) / (2.0 * h) / TAU;
+        // Truncation h²U‴/6 with U‴ ~ U/(1 cm)³, rounding eps·U/h.
+        assert!((shell(5, 4).length_multiplier(&a).unwrap() - numeric).abs() < 1e-8, "{numeric}");
     }
 
     #[test]

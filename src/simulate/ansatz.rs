@@ -70,6 +70,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
         branches,
         notes,
         hem: Some(best.hem),
+        hem_rms: Some(0.0),
         multiplier: Some(Multiplier { value: best.multiplier, unit: "N" }),
         turning: None,
         error_estimate: None,

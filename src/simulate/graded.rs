@@ -97,6 +97,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         branches: tried,
         notes,
         hem: None,
+        hem_rms: None,
         multiplier: None,
         turning: None,
         error_estimate: None,

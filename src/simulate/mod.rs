@@ -3,6 +3,7 @@
 pub mod ansatz;
 pub mod graded;
 pub mod polar;
+mod projection;
 pub mod ruled;
 mod tolerance;
 
@@ -151,8 +152,10 @@ pub struct Prediction {
     pub error_estimate: Option<f64>,
     /// What a reader should know before using the numbers: limits of the theory that this scene meets.
     pub notes: Vec<String>,
-    /// p, q, s of the paper's curve, where the fidelity speaks in them.
+    /// p, q, s of the paper's curve: the solution of the ansatz; of other fidelities the nearest curve to the hem.
     pub hem: Option<Hem>,
+    /// Root mean square orthogonal distance of the hem from that curve, m; 0 for the ansatz.
+    pub hem_rms: Option<f64>,
     /// The Lagrange multiplier of the hem's length, where the fidelity has one.
     pub multiplier: Option<Multiplier>,
     /// Turning points of the paper's equation (4).
@@ -196,12 +199,16 @@ fn predict_once(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Pre
     {
         return Err(Error::Invalid { quantity: "fold count", value: f64::from(folds), allowed: "2 to 512" });
     }
-    match options.fidelity {
+    let mut prediction = match options.fidelity {
         Fidelity::Ruled { harmonics } => ruled::predict(skirt, &cloth, options.folds, harmonics),
         Fidelity::Graded { harmonics, modes, shear } => graded::predict(skirt, &cloth, options.folds, harmonics, modes, shear),
         Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds),
         Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds),
+    }?;
+    if prediction.hem.is_none() && prediction.folds != 0 {
+        (prediction.hem, prediction.hem_rms) = projection::onto_paper_curve(&prediction.outline, prediction.folds).unzip();
     }
+    Ok(prediction)
 }
 
 /// Cloth in a field of gravity, checked: weight per area ρ_A g (N/m²) and flexural rigidity B (N·m), both positive.

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{Branch, Cloth, Folds, Prediction, TermEnergy, Termination};
+use super::{Branch, Cloth, Folds, Multiplier, Prediction, TermEnergy, Termination};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
@@ -73,6 +73,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             branches: tried,
             notes,
             hem: None,
+            hem_rms: None,
             multiplier: None,
             turning: None,
             error_estimate: None,
@@ -99,7 +100,8 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         branches: tried,
         notes,
         hem: None,
-        multiplier: None,
+        hem_rms: None,
+        multiplier: best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" }),
         turning: None,
         error_estimate: None,
     })
