@@ -49,7 +49,8 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         .budget(&DVector::zeros(COARSE.0 * COARSE.1))
         .ok_or_else(|| Error::Unanswerable("the round cone has no finite energy".into()))?;
     let round = cone.gravity + cone.bending;
-    let full = (harmonics, modes, 24.max(half_nodes(harmonics)), 16.max(2 * modes + 4));
+    // Sixteen intervals resolve three harmonics of folds as deep as cloth makes them; the layer below the waist asks for the slices.
+    let full = (harmonics, modes, 16.max(6 * harmonics), 20.max(2 * modes + 8));
     let mut notes = Vec::new();
     let (mut best, mut tried) = match folds {
         Folds::Exactly(m) => {
