@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hemline::experiment::campaign::{Folds, HemLength, Pictures, Shade};
+use hemline::experiment::campaign::{Folds, HemLength, Pictures, Shade, USUAL_RESPONSES};
 use hemline::experiment::{Apparatus, Point};
 use hemline::import::{self, Imported, image, table};
 use hemline::model::hem::{Hem, Placement};
@@ -126,7 +126,7 @@ mod campaigns {
         let imported = load(&campaign(|_, _| ()));
         assert_eq!(imported.quarantine, []);
         assert_eq!(usable(&imported), ["1", "2", "3", "4", "5", "6", "7", "8"]);
-        assert_eq!(imported.campaign.responses.len(), 9);
+        assert_eq!(imported.campaign.responses, USUAL_RESPONSES);
         assert_eq!(imported.campaign.alpha, 0.05);
     }
 
@@ -134,11 +134,16 @@ mod campaigns {
     fn natural_levels_are_coded() {
         let folder = campaign(|toml, design| {
             *toml = toml.replace("low = 20\nhigh = 26\n", "low = 20\nhigh = 26\nlevels = \"natural\"\n");
-            for (coded, natural) in [("-1", "20.0"), ("1", "26")] {
-                for stiff in ["-1", "1"] {
-                    *design = design.replace(&format!(",{stiff},{coded},1"), &format!(",{stiff},{natural},1"));
-                }
-            }
+            let natural = |line: &str| {
+                let mut cells: Vec<&str> = line.split(',').collect();
+                cells[3] = match cells[3] {
+                    "-1" => "20.0",
+                    "1" => "26",
+                    header => header,
+                };
+                cells.join(",") + "\n"
+            };
+            *design = design.lines().map(natural).collect();
         });
         let imported = load(&folder);
         assert_eq!(imported.quarantine, []);
@@ -564,7 +569,8 @@ mod pictures {
     fn misses(hem: &Hem, side: u32, file: &Path, object: Shade) -> (f64, f64) {
         let pixel = 0.4 / f64::from(side);
         let traced = image::outline(file, &Pictures { pixel: Metre(pixel), object }).unwrap_or_else(|e| panic!("{e}"));
-        let curve = hem.outline(&placement(), 40_000);
+        // Points a sixth of a pixel apart: the chord between two of them stays within 1e-4 px of the curve.
+        let curve = hem.outline(&placement(), 10_000);
         let n = curve.len();
         let signed: Vec<f64> = traced
             .profile
@@ -704,4 +710,55 @@ mod pictures {
             assert!(low < 110 && 150 < high, "at {x}, {y}");
         }
     }
+}
+
+#[test]
+fn damaged_files_are_refused_or_set_aside_and_never_a_panic() {
+    use rand::{RngExt, SeedableRng};
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+    let encoded = |format| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        silhouette(&HEM, 64, 0.5, false).write_to(&mut bytes, format).expect("encodes");
+        bytes.into_inner()
+    };
+    let pictures = [("a.png", encoded(::image::ImageFormat::Png)), ("a.jpg", encoded(::image::ImageFormat::Jpeg))];
+    let text = table_of(&HEM.outline(&Placement::ORIGIN, 30)).into_bytes();
+    let sound = campaign(|_, _| ());
+    let read = |name: &str| fs::read(sound.path().join(name)).expect("written");
+    let (toml, design) = (read("campaign.toml"), read("design.csv"));
+    let folder = TempDir::new().expect("a folder");
+    // Bytes that mean something to the readers are likelier than others.
+    let telling = b"\"\n\r,;\t#-.e=[]{}\0\xff\xef 09";
+    for _ in 0..400 {
+        let mut damage = |bytes: &[u8]| {
+            let mut bytes = bytes.to_vec();
+            for _ in 0..random.random_range(1..6) {
+                let at = random.random_range(0..bytes.len());
+                match random.random_range(0..4) {
+                    0 => bytes[at] = random.random(),
+                    1 => bytes[at] = telling[random.random_range(0..telling.len())],
+                    2 => bytes.insert(at, telling[random.random_range(0..telling.len())]),
+                    _ => bytes.truncate(at.max(1)),
+                }
+            }
+            bytes
+        };
+        for (name, bytes) in &pictures {
+            let file = write(&folder, name, damage(bytes));
+            let _ = image::outline(&file, &Pictures { pixel: Metre(1e-3), object: Shade::Auto });
+        }
+        let _ = table::profiles(&write(&folder, "a.csv", damage(&text)));
+        write(&sound, "campaign.toml", if random.random() { damage_once(&toml, &mut random) } else { toml.clone() });
+        write(&sound, "design.csv", damage_once(&design, &mut random));
+        let _ = import::load(sound.path());
+    }
+}
+
+/// One random byte changed.
+fn damage_once(bytes: &[u8], random: &mut rand_chacha::ChaCha8Rng) -> Vec<u8> {
+    use rand::RngExt;
+    let mut bytes = bytes.to_vec();
+    let at = random.random_range(0..bytes.len());
+    bytes[at] = random.random();
+    bytes
 }

@@ -1,6 +1,7 @@
 //! One file per command: arguments → options → library call → report.
 
 pub mod fit;
+pub mod init;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -33,6 +34,7 @@ enum Command {
     Fit(fit::Fit),
     Predict(predict::Predict),
     Regress(regress::Regress),
+    Init(init::Init),
 }
 
 /// Parses the command line and runs it.
@@ -43,6 +45,7 @@ pub fn run() -> ExitCode {
         Command::Fit(args) => fit::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::Regress(args) => regress::run(&args),
+        Command::Init(args) => init::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

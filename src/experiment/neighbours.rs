@@ -25,9 +25,11 @@ impl<'a> Neighbours<'a> {
         if 0 < k {
             self.visit(&self.order, true, of, k, &keep, &mut found);
         }
+        found.iter_mut().for_each(|(square, _)| *square = square.sqrt());
         found
     }
 
+    /// `found` holds squared distances.
     fn visit(&self, range: &[u32], by_x: bool, of: usize, k: usize, keep: &impl Fn(usize) -> bool, found: &mut Vec<(f64, u32)>) {
         if range.len() <= LEAF {
             range.iter().for_each(|&i| self.offer(i, of, k, keep, found));
@@ -38,7 +40,7 @@ impl<'a> Neighbours<'a> {
         let (near, far) = if offset < 0.0 { (&range[..middle], &range[middle + 1..]) } else { (&range[middle + 1..], &range[..middle]) };
         self.visit(near, !by_x, of, k, keep, found);
         self.offer(range[middle], of, k, keep, found);
-        if found.len() < k || offset.abs() <= found[found.len() - 1].0 {
+        if found.len() < k || offset * offset <= found[found.len() - 1].0 {
             self.visit(far, !by_x, of, k, keep, found);
         }
     }
@@ -47,13 +49,18 @@ impl<'a> Neighbours<'a> {
         if i as usize == of || !keep(i as usize) {
             return;
         }
-        let candidate = (self.points[of].distance(self.points[i as usize]), i);
+        let candidate = (squared_distance(self.points[of], self.points[i as usize]), i);
         let at = found.partition_point(|known| *known < candidate);
         if at < k {
             found.insert(at, candidate);
             found.truncate(k);
         }
     }
+}
+
+/// m²; several times faster than [`Point::distance`], which guards against overflow that the bounds of a profile exclude.
+pub(super) fn squared_distance(a: Point, b: Point) -> f64 {
+    (a.x - b.x).powi(2) + (a.y - b.y).powi(2)
 }
 
 fn key(points: &[Point], i: u32, by_x: bool) -> f64 {
@@ -83,9 +90,11 @@ mod tests {
         points.push(Point::new(1e5, -1e5));
         let tree = Neighbours::new(&points);
         for of in 0..points.len() {
-            let keep = |i: usize| i % 3 != 0;
-            let mut scan: Vec<(f64, u32)> =
-                (0..points.len()).filter(|&i| i != of && keep(i)).map(|i| (points[of].distance(points[i]), i as u32)).collect();
+            let keep = |i: usize| !i.is_multiple_of(3);
+            let mut scan: Vec<(f64, u32)> = (0..points.len())
+                .filter(|&i| i != of && keep(i))
+                .map(|i| (squared_distance(points[of], points[i]).sqrt(), i as u32))
+                .collect();
             scan.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             scan.truncate(7);
             assert_eq!(tree.nearest(of, 7, keep), scan, "point {of}");

@@ -4,7 +4,7 @@
 //! the true order. So the first question is about places: in an outline the next point is among the near ones, seen from its predecessor,
 //! however wide the noise; in a shuffled list it is anywhere.
 
-use super::neighbours::Neighbours;
+use super::neighbours::{Neighbours, squared_distance};
 use super::profile::Point;
 use super::tour;
 
@@ -115,8 +115,9 @@ impl Route {
         longest.truncate(LONGEST);
         let mut jumps = Jumps { count: 0, length: 0.0 };
         for at in longest {
-            let from = points[self.order[at]];
-            let passed = self.order.iter().filter(|&&i| points[i].distance(from) < self.steps[at]).count() - 1;
+            let (from, reach) = (points[self.order[at]], self.steps[at] * self.steps[at]);
+            let nearer = self.order.iter().filter(|&&i| squared_distance(points[i], from) < reach).count();
+            let passed = nearer.saturating_sub(1);
             if allowed < passed {
                 jumps.count += 1;
                 jumps.length += self.steps[at];

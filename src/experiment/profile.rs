@@ -50,8 +50,7 @@ impl DrapeProfile {
     pub fn new(points: &[Point]) -> Result<Self, Error> {
         for point in points {
             for (quantity, value) in [("x of an outline point, m", point.x), ("y of an outline point, m", point.y)] {
-                // Written so that NaN fails.
-                if !(value.abs() <= FARTHEST) {
+                if !(-FARTHEST..=FARTHEST).contains(&value) {
                     return Err(Error::Invalid { quantity, value, allowed: "a finite number of metres, at most 1e6" });
                 }
             }

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use super::neighbours::Neighbours;
+use super::neighbours::{Neighbours, squared_distance};
 use super::profile::Point;
 
 /// Neighbours looked at per point; beyond eight the tours hardly get shorter (Bentley 1992).
@@ -110,7 +110,7 @@ impl<'a> Tour<'a> {
     }
 
     fn distance(&self, a: u32, b: u32) -> f64 {
-        self.points[a as usize].distance(self.points[b as usize])
+        squared_distance(self.points[a as usize], self.points[b as usize]).sqrt()
     }
 
     /// The point `steps` further along (backwards if negative).

@@ -41,9 +41,7 @@ const ROUNDS: usize = 12;
 
 /// Warps and solves in turn from `start`; holds the perimeter at `length` (m) if given.
 pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched {
-    let folds = start.hem.folds;
-    let stride = (outline.samples.len() / (20 * folds as usize).max(128)).max(1);
-    let samples: Vec<Point> = outline.samples.iter().copied().step_by(stride).collect();
+    let samples = thinned(outline, start.hem.folds);
     let (mut hem, mut placement) = (start.hem, start.placement);
     if let Some(length) = length {
         hem = stretched(hem, length);
@@ -51,15 +49,7 @@ pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched 
     let mut best: Option<Matched> = None;
     for _ in 0..ROUNDS {
         let pairs = warp(&samples, &hem, &placement, start.offset);
-        let weight: f64 = pairs.iter().map(|p| p.weight).sum();
-        let square: f64 = pairs
-            .iter()
-            .map(|p| {
-                let on = hem.point(&placement, p.parameter);
-                p.weight * ((samples[p.sample].x - on.x).powi(2) + (samples[p.sample].y - on.y).powi(2))
-            })
-            .sum();
-        let rms = (square / weight).sqrt();
+        let rms = rms(&pairs, &samples, &hem, &placement);
         let settled = best.as_ref().is_some_and(|b| rms > b.rms * (1.0 - 1e-4));
         if best.as_ref().is_none_or(|b| rms < b.rms) {
             best = Some(Matched { hem, placement, parameters: parameters(&pairs, samples.len()), rms });
@@ -100,6 +90,27 @@ pub fn stretched(hem: Hem, length: f64) -> Hem {
         }
     }
     scaled(factor)
+}
+
+/// Root mean square distance of a curve and the outline matched in order, both weighed alike, m; `offset` is the fraction of the outline's
+/// length at which the crest `t = 0` lies.
+pub fn apart(outline: &Outline, hem: &Hem, placement: &Placement, offset: f64) -> f64 {
+    let samples = thinned(outline, hem.folds);
+    rms(&warp(&samples, hem, placement, offset), &samples, hem, placement)
+}
+
+/// About twenty samples a fold.
+fn thinned(outline: &Outline, folds: u32) -> Vec<Point> {
+    let stride = (outline.samples.len() / (20 * folds as usize).max(128)).max(1);
+    outline.samples.iter().copied().step_by(stride).collect()
+}
+
+fn rms(pairs: &[Pair], samples: &[Point], hem: &Hem, placement: &Placement) -> f64 {
+    let square = |p: &Pair| {
+        let on = hem.point(placement, p.parameter);
+        p.weight * ((samples[p.sample].x - on.x).powi(2) + (samples[p.sample].y - on.y).powi(2))
+    };
+    (pairs.iter().map(square).sum::<f64>() / pairs.iter().map(|p| p.weight).sum::<f64>()).sqrt()
 }
 
 /// One cell of the match.

@@ -2,7 +2,7 @@
 //!
 //! Noise lengthens a polygon (it zigzags), so length, self-crossings and starting values are taken from this smooth curve instead.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::experiment::{DrapeProfile, Point};
 
@@ -67,7 +67,7 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
 /// The smooth curve through points at the fractions given: samples at equal steps of its length, the length, order, and what it leaves.
 fn smoothed(points: &[Point], fraction: &[f64]) -> (Vec<Point>, f64, usize, f64) {
     let highest = HIGHEST_ORDER.min(points.len() / 4).max(1);
-    let series = Series::of(&resample(points, fraction), highest);
+    let series = Series::of(&resample(points, fraction), highest, effective_spacing(fraction));
     let (order, noise) = order_by_evidence(&series, points, fraction);
     let fine = series.samples(4 * SAMPLES, order);
     let mut along = Vec::with_capacity(fine.len());
@@ -154,6 +154,12 @@ fn resample(points: &[Point], fraction: &[f64]) -> Vec<Point> {
         .collect()
 }
 
+/// The spacing of even corners that would flatten the harmonics as these do: √Σh³ of the sides h.
+fn effective_spacing(fraction: &[f64]) -> f64 {
+    let n = fraction.len();
+    (0..n).map(|i| (if i + 1 < n { fraction[i + 1] } else { 1.0 } - fraction[i]).powi(3)).sum::<f64>().sqrt()
+}
+
 /// Complex Fourier coefficients of a closed curve: `z(f) = Σ c_k e^{2πi k f}`, |k| ≤ order.
 struct Series {
     /// c_0, then (c_k, c_−k) for k = 1, 2, …; each (re, im).
@@ -162,7 +168,10 @@ struct Series {
 }
 
 impl Series {
-    fn of(samples: &[Point], order: usize) -> Series {
+    /// The series of a polygon whose corners are `spacing` apart (as a fraction of the whole).
+    ///
+    /// Straight sides flatten the harmonic k by sinc²(k·spacing); that is undone.
+    fn of(samples: &[Point], order: usize, spacing: f64) -> Series {
         let n = samples.len();
         let table: Vec<(f64, f64)> = (0..n).map(|j| (TAU * j as f64 / n as f64).sin_cos()).collect();
         let coefficient = |k: usize, sign: f64| {
@@ -173,7 +182,10 @@ impl Series {
                 re += p.x * cos + p.y * sin;
                 im += p.y * cos - p.x * sin;
             }
-            (re / n as f64, im / n as f64)
+            let angle = PI * k as f64 * spacing;
+            let flattened = if angle < 1e-6 { 1.0 } else { (angle.sin() / angle).powi(2) };
+            let weight = 1.0 / (n as f64 * flattened.max(0.5));
+            (re * weight, im * weight)
         };
         Series { centre: coefficient(0, 1.0), pairs: (1..=order).map(|k| [coefficient(k, 1.0), coefficient(k, -1.0)]).collect() }
     }

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::delimited::{self, shortened};
+use super::number::Numbers;
 use crate::error::{Error, Place};
+use crate::experiment::Quarantined;
 
 /// One line of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +22,11 @@ pub struct NumberTable {
     pub file: PathBuf,
     pub columns: Vec<String>,
     pub lines: Vec<Line>,
-    decimal_comma: bool,
+    /// Lines that have another number of cells than the header.
+    pub set_aside: Vec<Quarantined>,
+    header_row: usize,
+    /// `numbers[c]`: how column `c` writes its numbers.
+    numbers: Vec<Numbers>,
 }
 
 /// What a cell holds.
@@ -32,38 +39,27 @@ pub enum Value {
 impl NumberTable {
     /// Reads a comma-, semicolon- or tab-separated file with a header line; `#` lines and empty lines are passed over.
     ///
-    /// The separator is the one that the header has; where it is not the comma, a comma in a number is a decimal comma.
+    /// Decimal points and decimal commas are told apart by all numbers of the table together; a column that could be read both ways is
+    /// refused cell by cell.
     ///
     /// # Errors
     /// [`Error::File`] if the file cannot be read; [`Error::Input`] if it is not UTF-8 text, has no header, or names a column twice.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::file(path, source))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| Error::input(Place::file(path), "the file is not UTF-8 text", "save the table as CSV in UTF-8"))?;
-        Self::parse(path, text.trim_start_matches('\u{feff}'))
-    }
-
-    fn parse(path: &Path, text: &str) -> Result<Self, Error> {
-        let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line)).filter(|(_, line)| {
-            let line = line.trim();
-            !line.is_empty() && !line.starts_with('#')
-        });
-        let Some((row, header)) = lines.next() else {
-            return Err(Error::input(Place::file(path), "the file has no header line", "give the columns names in the first line"));
-        };
-        let separator = [';', '\t'].into_iter().find(|&mark| header.contains(mark)).unwrap_or(',');
-        let columns = split(header, separator);
-        for (i, name) in columns.iter().enumerate() {
-            if !name.is_empty() && columns[..i].contains(name) {
-                return Err(Error::input(
-                    Place::file(path).row(row).column(name),
-                    "the column is named twice",
-                    "give each column a name of its own",
-                ));
-            }
-        }
-        let lines = lines.map(|(row, line)| Line { row, cells: split(line, separator) }).collect();
-        Ok(NumberTable { file: path.to_path_buf(), columns, lines, decimal_comma: separator != ',' })
+        let table = delimited::read(path)?;
+        let all: Vec<usize> = (0..table.header.len()).collect();
+        let whole = table.numbers(&all);
+        // A column of names with commas in it must not upset the numbers beside it.
+        let numbers = all.iter().map(|&c| if whole == Numbers::Contradictory { table.numbers(&[c]) } else { whole }).collect();
+        let cells = |row: usize| all.iter().map(|&c| table.cell(row, c).to_owned()).collect();
+        let lines = (0..table.rows()).map(|row| Line { row: table.lines[row], cells: cells(row) }).collect();
+        Ok(NumberTable {
+            file: path.to_path_buf(),
+            lines,
+            header_row: table.header_line,
+            numbers,
+            columns: table.header,
+            set_aside: table.quarantine,
+        })
     }
 
     /// Index of a column.
@@ -73,7 +69,7 @@ impl NumberTable {
     pub fn column(&self, name: &str) -> Result<usize, Error> {
         self.columns.iter().position(|column| column == name).ok_or_else(|| {
             Error::input(
-                Place::file(&self.file).row(1).column(name),
+                Place::file(&self.file).row(self.header_row).column(name),
                 "there is no such column",
                 format!("the columns are {}", self.columns.join(", ")),
             )
@@ -83,30 +79,20 @@ impl NumberTable {
     /// What stands in a cell; `+` and `-` alone are the coded levels +1 and −1.
     ///
     /// # Errors
-    /// [`Error::Input`] at the cell if the line has another number of cells than the header, or the cell is no finite number.
+    /// [`Error::Input`] at the cell if it is no finite number.
     pub fn value(&self, line: &Line, column: usize) -> Result<Value, Error> {
-        let place = Place::file(&self.file).row(line.row);
-        if line.cells.len() != self.columns.len() {
-            let problem = format!("the line has {} cells, the header {}", line.cells.len(), self.columns.len());
-            return Err(Error::input(place, problem, "give every line one cell per column"));
-        }
         let text = &line.cells[column];
-        let plain = text.replace('\u{2212}', "-");
-        let number = match plain.as_str() {
+        match text.as_str() {
             "" => return Ok(Value::Empty),
-            "+" => Ok(1.0),
-            "-" => Ok(-1.0),
-            number if self.decimal_comma => number.replacen(',', ".", 1).parse::<f64>(),
-            number => number.parse::<f64>(),
-        };
-        match number {
-            Ok(number) if number.is_finite() => Ok(Value::Number(number)),
-            _ => Err(Error::input(
-                place.column(&self.columns[column]),
-                format!("“{text}” is not a finite number"),
-                "write a number; only a response that does not exist may be left empty",
-            )),
+            "+" => return Ok(Value::Number(1.0)),
+            "-" | "−" => return Ok(Value::Number(-1.0)),
+            _ => (),
         }
+        self.numbers[column].read(text).map(Value::Number).map_err(|problem| {
+            let place = Place::file(&self.file).row(line.row).column(&self.columns[column]);
+            let problem = format!("“{}” {problem}", shortened(text));
+            Error::input(place, problem, "write a finite number; only a response that does not exist may be left empty")
+        })
     }
 
     /// The text of a cell.
@@ -115,47 +101,40 @@ impl NumberTable {
     }
 }
 
-/// Cells of one line; a cell in double quotes may hold the separator, and "" stands for a quote.
-fn split(line: &str, separator: char) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut quoted = false;
-    let mut marks = line.chars().peekable();
-    while let Some(mark) = marks.next() {
-        let last = cells.len() - 1;
-        match mark {
-            '"' if quoted && marks.peek() == Some(&'"') => {
-                marks.next();
-                cells[last].push('"');
-            }
-            '"' => quoted = !quoted,
-            mark if mark == separator && !quoted => cells.push(String::new()),
-            mark => cells[last].push(mark),
-        }
-    }
-    cells.into_iter().map(|cell| cell.trim().to_string()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn table(text: &str) -> NumberTable {
-        NumberTable::parse(Path::new("t.csv"), text).unwrap()
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let path = folder.path().join("t.csv");
+        std::fs::write(&path, text).expect("writable");
+        NumberTable::read(&path).unwrap_or_else(|e| panic!("{e}"))
     }
 
     #[test]
     fn dialects_give_the_same_numbers() {
-        for text in ["a,y\n-1,2.5\n", "a;y\r\n−1;2,5\r\n", "# note\na\ty\n\n-\t2,5\n", "\"a\",\"y\"\n\"-1\",\"2.5\"\n"] {
+        for text in ["a,y\n-1,2.5\n", "a;y\r\n−1;2,5\r\n", "# note\na\ty\n\n-\t2,5\n", "\"a\",\"y\"\n\"-1\",\"2.5\"\n", "a,y\n-,\"2,5\"\n"]
+        {
             let table = table(text);
             let line = &table.lines[0];
-            assert_eq!((table.value(line, 0).unwrap(), table.value(line, 1).unwrap()), (Value::Number(-1.0), Value::Number(2.5)), "{text}");
+            let values = (table.value(line, 0).unwrap(), table.value(line, 1).unwrap());
+            assert_eq!(values, (Value::Number(-1.0), Value::Number(2.5)), "{text}");
         }
     }
 
     #[test]
     fn a_bad_cell_is_named_by_row_column_and_value() {
-        let table = table("a,y\n1,2\n\n1,oops\n");
-        let message = table.value(&table.lines[1], 1).unwrap_err().to_string();
-        assert!(["t.csv", "row 4", "“y”", "“oops”"].iter().all(|part| message.contains(part)), "{message}");
+        let table = table("a,y\n1,2\n\n1,oops\n1,NaN\n");
+        for (line, value, row) in [(1, "“oops”", "row 4"), (2, "“NaN”", "row 5")] {
+            let message = table.value(&table.lines[line], 1).unwrap_err().to_string();
+            assert!(["t.csv", row, "“y”", value, "finite number"].iter().all(|part| message.contains(part)), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_line_with_a_cell_too_many_is_set_aside() {
+        let table = table("a,y\n1,2,5\n1,2\n");
+        assert_eq!((table.lines.len(), table.set_aside.len(), table.set_aside[0].row), (1, 1, Some(2)));
     }
 }

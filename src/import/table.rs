@@ -186,7 +186,12 @@ impl Coordinates {
     fn find(path: &Path, table: &Delimited) -> Result<Self, Error> {
         let header = &table.header;
         let refuse = |problem: String, remedy: &str| Error::input(Place::file(path).row(table.header_line), problem, remedy);
-        let there = || header.iter().map(|name| format!("“{name}”")).collect::<Vec<_>>().join(", ");
+        let there = || {
+            // A file that is no table has a first line of prose.
+            const MOST: usize = 12;
+            let names: Vec<String> = header.iter().take(MOST).map(|name| format!("“{}”", shortened(name))).collect();
+            names.join(", ") + if MOST < header.len() { ", …" } else { "" }
+        };
         let mut found: Vec<(usize, String)> = Vec::new();
         for axis in ["x", "y"] {
             let columns: Vec<(usize, Option<String>)> =
@@ -237,7 +242,7 @@ impl Coordinates {
 
 /// `Some(unit)` if `name` is a column for `axis`: `x_cm`, `X [cm]`, `x, cm`, `x (cm)`, `x/cm`; the unit is `None` for a bare `x`.
 fn axis_unit(name: &str, axis: &str) -> Option<Option<String>> {
-    let name = name.to_lowercase().replace('µ', "u").replace('μ', "u");
+    let name = name.to_lowercase().replace(['µ', 'μ'], "u");
     let tokens: Vec<&str> = name.split(|c: char| !(c.is_alphanumeric() || c == '"')).filter(|t| !t.is_empty()).collect();
     match tokens[..] {
         [first] if first == axis => Some(None),

@@ -3,7 +3,7 @@
 use crate::fit::{HemFit, Rule, Termination};
 use crate::report::number::{fixed, significant};
 use crate::study::campaign::RunStudy;
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, PERCENT};
 
 /// Below this share of the explained departure from a circle the curve is no description of the hem.
 pub const SMALL_SHARE: f64 = 0.5;
@@ -22,6 +22,9 @@ pub fn of(study: &RunStudy) -> Vec<String> {
     {
         let predicted = if prediction.folds == 0 { "a round hem".into() } else { format!("{} folds", prediction.folds) };
         notes.push(format!("The theory predicts {predicted}, {folds} are fitted; the predicted hem drawn here has {folds}."));
+    }
+    if let (Ok(_), Some(reason)) = (&study.fit, &study.prediction_missing) {
+        notes.push(format!("No prediction: {}.", reason.trim_end_matches('.')));
     }
     for prediction in [&study.prediction, &study.prediction_at_fitted_folds].into_iter().flatten() {
         for remark in prediction.notes.iter().map(|note| format!("Theory: {}", sentence(note))) {
@@ -66,7 +69,7 @@ pub fn of_fit(fit: &HemFit) -> Vec<String> {
     if fit.folds.is_some() && fit.explained < SMALL_SHARE {
         notes.push(format!(
             "Irregular folds: the curve explains only {} % of the outline's departure from a circle.",
-            fixed(100.0 * fit.explained, 0)
+            fixed(fit.explained / PERCENT, 0)
         ));
     }
     if fit.folds.is_some() && fit.folds_weight < UNSURE_WEIGHT {

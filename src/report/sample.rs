@@ -1,6 +1,7 @@
 //! A campaign to draw in tests: the shipped one, analysed, with one run set aside.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{Apparatus, Campaign, Design, DrapeProfile, Fabric, Factor, Point, Run, Skirt};
@@ -27,8 +28,13 @@ pub fn factors() -> Vec<Factor> {
     ]
 }
 
-/// The shipped campaign, one run of it set aside.
+/// The shipped campaign, one run of it set aside; analysed once for all tests.
 pub fn study() -> CampaignStudy {
+    static STUDY: LazyLock<CampaignStudy> = LazyLock::new(analysed);
+    STUDY.clone()
+}
+
+fn analysed() -> CampaignStudy {
     let table = std::fs::read_to_string(data().join("design.csv")).unwrap();
     let runs: Vec<Run> = table.lines().skip(1).map(run).collect();
     let campaign = Campaign {

@@ -1,16 +1,7 @@
 //! `summary.json`: the results of a campaign for a script to read.
 //!
-//! Schema `hemline-summary-1`, every key always present, `null` where a quantity does not exist; lengths in mm as the key says:
-//! - `schema`, `program` {`name`, `version`}, `date` (of SOURCE_DATE_EPOCH), `origin`, `title`, `apparatus`
-//! - `settings` {name: value} and `sources` [{`file`, `bytes`, `digest`}] as they went in
-//! - `factors` [{`name`, `label`, `unit`, `low`, `high`}]
-//! - `overview`: counts and medians, see [`crate::study::overview::Overview`]; lengths there in m
-//! - `runs` [{`run`, `replicate`, `levels`, `termination`, `m`, `m_weight`, `p_mm`, `q_mm`, `s_mm`, `rms_mm`, `fold_depth_mm`, `explained_share`,
-//!   `lambda_first_integral_n_m2`, `lambda_first_integral_r2`, `lambda_over_weight`, `predicted_m`, `theory_rms_mm`, `notes` [text]}]
-//! - `regressions` [{`response`, `unit`, `n`, `terms` [{`term`, `estimate`, `se`, `t`, `p`, `ci_low`, `ci_high`, `p_holm`, `significant` …}], `residual_df`,
-//!   `t_critical`, `equal_variances` and `adequacy` {`test`, `statistic`, `critical`, `df`, `p`, `holds`}, `r_squared`, `notes`, `failure`}]
-//! - `quarantine` [{`run`, `file`, `row`, `value`, `problem`, `remedy`}]
-//! - `notes` [text]
+//! Schema `hemline-summary-1`, described in docs/results.md: every key always present, `null` where a quantity does not exist, lengths in mm as
+//! the key says.
 
 use serde_json::{Value, json};
 
@@ -61,7 +52,7 @@ fn run(study: &RunStudy) -> Value {
         "lambda_first_integral_r2": study.lambda.first_integral.map(|(_, r2)| r2),
         "lambda_over_weight": study.lambda.over_weight.map(|(e, _)| e.value),
         "predicted_m": study.prediction.as_ref().map(|p| p.folds),
-        "theory_rms_mm": study.comparison.as_ref().map(|c| mm(c.rms)),
+        "theory_gap_mm": study.comparison.as_ref().map(|c| mm(c.rms)),
         "notes": note::of(study),
     })
 }

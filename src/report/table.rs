@@ -9,10 +9,10 @@ use crate::fit::{Estimate, HemFit, Termination};
 use crate::simulate;
 use crate::statistics::box_wilson::Coefficient;
 use crate::study::campaign::RunStudy;
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, PERCENT};
 
 /// The columns of `fits.csv` in order; the first 23 are fixed for good, later ones may be added to at the end.
-pub const FIT_COLUMNS: [&str; 52] = [
+pub const FIT_COLUMNS: [&str; 55] = [
     "run",
     "n_points",
     "termination",
@@ -48,6 +48,8 @@ pub const FIT_COLUMNS: [&str; 52] = [
     "lambda_missing",
     "explained_share",
     "overhangs",
+    "mean_radius_mm",
+    "drape_coefficient_percent",
     "outline_length_mm",
     "held_length_mm",
     "held_multiplier_mm",
@@ -60,7 +62,8 @@ pub const FIT_COLUMNS: [&str; 52] = [
     "predicted_at_fitted_m_energy_j",
     "predicted_at_fitted_m_radius_min_mm",
     "predicted_at_fitted_m_radius_max_mm",
-    "theory_rms_mm",
+    "prediction_missing",
+    "theory_gap_mm",
     "theory_minus_fit_fold_depth_mm",
     "theory_minus_fit_mean_radius_mm",
     "theory_minus_fit_m",
@@ -152,6 +155,8 @@ fn fit_row(row: &FitRow<'_>) -> Vec<Cell> {
         l.missing.clone().into(),
         folds.and(fit).map(|f| f.explained).into(),
         fit.map(|f| f.hem.overhangs()).into(),
+        mm(&|f| (f.area / std::f64::consts::PI).sqrt()),
+        row.study.and_then(|s| s.drape_coefficient).map(|share| share / PERCENT).into(),
         mm(&|f| f.outline_length),
         fit.and_then(|f| f.held).map(|h| h.length / MILLIMETRE).into(),
         fit.and_then(|f| f.held).map(|h| h.multiplier / MILLIMETRE).into(),
@@ -164,6 +169,7 @@ fn fit_row(row: &FitRow<'_>) -> Vec<Cell> {
         at_fitted.map(|p| p.energy).into(),
         at_fitted.map(|p| p.hem_radius_min / MILLIMETRE).into(),
         at_fitted.map(|p| p.hem_radius_max / MILLIMETRE).into(),
+        row.study.and_then(|s| s.prediction_missing.clone()).into(),
         comparison.map(|c| c.rms / MILLIMETRE).into(),
         comparison.map(|c| c.depth / MILLIMETRE).into(),
         comparison.map(|c| c.mean_radius / MILLIMETRE).into(),

@@ -154,7 +154,7 @@ fn observe(table: &NumberTable, args: &Regress) -> Result<Observed, Error> {
         rows: Vec::new(),
         blocks: Vec::new(),
         standard_errors: Vec::new(),
-        set_aside: Vec::new(),
+        set_aside: table.set_aside.iter().map(|line| format!("{line}; this line is left out.")).collect(),
     };
     for line in &table.lines {
         match usable(table, line, &factors, response, block, se) {

@@ -8,7 +8,7 @@ use crate::report::gallery::{Gallery, cell_name};
 use crate::report::number::{fixed, signed, significant, to_error, with_error};
 use crate::report::{note, words};
 use crate::study::campaign::{CampaignStudy, RunStudy};
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, PERCENT};
 
 /// Whether λ itself is known anywhere, not only λ/(ρ_A g).
 pub fn has_cloth(study: &CampaignStudy) -> bool {
@@ -49,7 +49,7 @@ fn rows(study: &RunStudy) -> Vec<[String; 3]> {
         if let Some(s) = fit.s {
             row("lean s", mm(s), if fit.hem.overhangs() { "overhangs".into() } else { String::new() });
         }
-        let share = if fit.folds.is_some() { format!("explains {} %", fixed(100.0 * fit.explained, 0)) } else { String::new() };
+        let share = if fit.folds.is_some() { format!("explains {} %", fixed(fit.explained / PERCENT, 0)) } else { String::new() };
         row("misfit rms", format!("{} mm", fixed(fit.rms / MILLIMETRE, 2)), share);
         row("fold depth", format!("{} mm", fixed(fit.fold_depth / MILLIMETRE, 1)), String::new());
         row(
@@ -57,6 +57,9 @@ fn rows(study: &RunStudy) -> Vec<[String; 3]> {
             format!("{} mm", fixed(fit.perimeter / MILLIMETRE, 0)),
             format!("outline {} mm", fixed(fit.outline_length / MILLIMETRE, 0)),
         );
+    }
+    if let Some(share) = study.drape_coefficient {
+        row("drape coefficient", format!("{} %", fixed(share / PERCENT, 1)), "of the measured outline".into());
     }
     let l = &study.lambda;
     let scientific = |e: Estimate, unit: &str| {
@@ -142,7 +145,7 @@ pub fn row(study: &RunStudy) -> Value {
         optional(fit.s),
         fixed(fit.rms / MILLIMETRE, 2),
         fixed(fit.fold_depth / MILLIMETRE, 1),
-        folded(format!("{} %", fixed(100.0 * fit.explained, 0))),
+        folded(format!("{} %", fixed(fit.explained / PERCENT, 0))),
         lambda.map(|(e, _)| significant(e.value, 3)).unwrap_or_default(),
         lambda.map(|(_, r2)| fixed(r2, 2)).unwrap_or_default(),
     ])

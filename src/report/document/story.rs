@@ -6,12 +6,12 @@ use super::regression::term;
 use super::theory;
 use crate::experiment::Apparatus;
 use crate::report::note::SMALL_SHARE;
-use crate::report::number::{fixed, with_error};
+use crate::report::number::{fixed, to_error, with_error};
 use crate::report::{Provenance, words};
 use crate::statistics::box_wilson::{Analysis, Coefficient, Verdict};
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::study::overview::{Overview, overview, spread};
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, PERCENT};
 
 /// The parts of the summary page.
 pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
@@ -20,7 +20,7 @@ pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "measured": measured(study, &seen),
         "found": found(study, &seen),
         "verdicts": study.regressions.iter().filter_map(|r| Some(verdict_row(&r.response, r.analysis.as_ref().ok()?))).collect::<Vec<_>>(),
-        "theory": seen.theory.as_ref().map(theory::words).unwrap_or_default(),
+        "theory": seen.theory.as_ref().map_or_else(|| theory::missing(study), theory::words),
         "cautions": cautions(study, provenance, &seen),
     })
 }
@@ -67,9 +67,9 @@ fn found(study: &CampaignStudy, seen: &Overview) -> Vec<String> {
             fixed(rms.median / MILLIMETRE, 1),
             fixed(rms.low / MILLIMETRE, 1),
             fixed(rms.high / MILLIMETRE, 1),
-            fixed(100.0 * explained.median, 0),
-            fixed(100.0 * explained.low, 0),
-            fixed(100.0 * explained.high, 0),
+            fixed(explained.median / PERCENT, 0),
+            fixed(explained.low / PERCENT, 0),
+            fixed(explained.high / PERCENT, 0),
         ));
     }
     let r2 = study.runs.iter().filter_map(|r| r.lambda.first_integral.or(r.lambda.over_weight)).map(|(_, r2)| r2);
@@ -100,12 +100,14 @@ fn verdict_row(response: &str, analysis: &Analysis) -> Value {
     ])
 }
 
-/// “conicity +, rigidity −, [density +]”.
+/// “conicity +34.8, rigidity −4.1, [density +1.2]”: effects, twice the coefficients, in the unit of the response.
 fn influences(analysis: &Analysis) -> String {
     let mut found: Vec<&Coefficient> = analysis.coefficients.iter().filter(|c| c.significant && c.term != "1").collect();
     found.sort_by(|a, b| b.estimate.abs().total_cmp(&a.estimate.abs()));
     let name = |c: &&Coefficient| {
-        let text = format!("{} {}", term(&c.term), if 0.0 < c.estimate { "+" } else { "−" });
+        let size = to_error(c.effect().abs(), c.se.map(|e| 2.0 * e));
+        // No line break inside one influence.
+        let text = format!("{} {}{size}", term(&c.term), if 0.0 < c.estimate { "+" } else { "−" }).replace(' ', "\u{a0}");
         if c.p_holm.is_some_and(|p| 0.05 < p) { format!("[{text}]") } else { text }
     };
     if found.is_empty() { "none".into() } else { found.iter().map(name).collect::<Vec<_>>().join(", ") }

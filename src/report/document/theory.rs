@@ -42,6 +42,17 @@ pub fn words(theory: &TheoryOverview) -> Vec<String> {
     words
 }
 
+/// Why nothing was predicted, each reason once.
+pub fn missing(study: &CampaignStudy) -> Vec<String> {
+    let mut reasons: Vec<&str> = vec![];
+    for reason in study.runs.iter().filter_map(|run| run.prediction_missing.as_deref()) {
+        if !reasons.contains(&reason) {
+            reasons.push(reason);
+        }
+    }
+    reasons.into_iter().map(|reason| format!("There is no prediction to compare with: {}.", reason.trim_end_matches('.'))).collect()
+}
+
 fn mm(metres: f64) -> String {
     fixed(metres / MILLIMETRE, 1)
 }

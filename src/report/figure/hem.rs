@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::sheet::{self, Area, BLUE, Chart, Drawn, Frame, GREY, INK, SMALL, VERMILLION, chart, dashed, line, solid, steps};
+use super::sheet::{self, Area, BLUE, Chart, Drawn, Frame, GREY, INK, SMALL, VERMILLION, chart, dashed, line, solid, steps, underlay};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::fit::HemFit;
@@ -15,8 +15,11 @@ use crate::units::{CENTIMETRE, MILLIMETRE};
 pub const WIDTH: f64 = 84.0;
 pub const HEIGHT: f64 = 95.0;
 
-/// Points on a drawn curve; at 70 mm across, a chord of 400 is nowhere off by the width of its line.
-const NODES: usize = 400;
+/// Points on a drawn curve, and about as many kept of a predicted one: at 70 mm across, a chord is nowhere off by the width of its line.
+const NODES: usize = 300;
+
+/// More points than these round the hem are closer than a dot is wide.
+const DENSE: usize = 300;
 
 /// One hem as a figure sees it, m, in the frame of the measurement.
 #[derive(Debug, Clone)]
@@ -50,6 +53,11 @@ impl View {
             caption: caption(measured.len(), fit, study),
             measured,
         })
+    }
+
+    /// Whether the measured points stand so close that dots would run into each other: then they are drawn as a thin line.
+    pub fn is_dense(&self) -> bool {
+        DENSE < self.measured.len()
     }
 
     /// Half the side of the square about the centre that holds everything, m.
@@ -88,21 +96,26 @@ fn paint(area: &Area<'_>, view: &View) -> Drawn {
     };
     let mut hem = chart(&plot, &frame)?;
     let magnified = whiskers(&mut hem, view)?;
-    curves(&mut hem, view, 0.45, 1)?;
-    sheet::dots(&mut hem, &centimetres(&view.measured), 0.45, INK)?;
+    if view.is_dense() {
+        curves(&mut hem, view, underlay(BLUE, 0.8), 0.6, 1)?;
+        solid(&mut hem, &closed(&view.measured, 1), line(INK, 0.2))?;
+    } else {
+        curves(&mut hem, view, line(BLUE, 0.45), 0.45, 1)?;
+        sheet::dots(&mut hem, &centimetres(&view.measured), 0.45, INK)?;
+    }
     hem.draw_series(std::iter::once(Cross::new((cx, cy), steps(1.0), line(GREY, 0.2))))?;
     legend(area, view, top + side + below + 2.0, magnified)
 }
 
-/// The predicted and the fitted line, every `stride`th of their points, `width` mm.
-pub fn curves(chart: &mut Chart<'_, '_>, view: &View, width: f64, stride: usize) -> Drawn {
-    let predicted = closed(&view.predicted, stride);
+/// The predicted line, `width` mm, and the fitted one, every `stride`th of their points.
+pub fn curves(chart: &mut Chart<'_, '_>, view: &View, fitted_line: ShapeStyle, width: f64, stride: usize) -> Drawn {
+    let predicted = closed(&view.predicted, stride * (view.predicted.len() / NODES).max(1));
     if !predicted.is_empty() {
         dashed(chart, &predicted, line(VERMILLION, 0.8 * width), 5.0 * width, 3.0 * width)?;
     }
     let fitted = closed(&view.fitted, stride);
     if !fitted.is_empty() {
-        solid(chart, &fitted, line(BLUE, width))?;
+        solid(chart, &fitted, fitted_line)?;
     }
     Ok(())
 }
@@ -116,7 +129,8 @@ fn whiskers(chart: &mut Chart<'_, '_>, view: &View) -> Result<Option<u32>, Box<d
     // A tenth of the hem's reach is as long as a whisker may grow before whiskers of neighbouring folds meet.
     let factor = [50, 20, 10, 5, 2].into_iter().find(|f| f64::from(*f) * longest < 0.1 * view.reach()).unwrap_or(1);
     let by = f64::from(factor);
-    let lines = view.measured.iter().zip(&view.feet).map(|(m, f)| {
+    let every = view.measured.len().div_ceil(DENSE);
+    let lines = view.measured.iter().zip(&view.feet).step_by(every).map(|(m, f)| {
         let end = Point::new(f.x + by * (m.x - f.x), f.y + by * (m.y - f.y));
         PathElement::new(centimetres(&[*f, end]), line(sheet::ORANGE, 0.18))
     });
@@ -126,11 +140,16 @@ fn whiskers(chart: &mut Chart<'_, '_>, view: &View) -> Result<Option<u32>, Box<d
 
 fn legend(area: &Area<'_>, view: &View, y: f64, magnified: Option<u32>) -> Drawn {
     let mut x = 1.0;
-    area.draw(&Circle::new((steps(x + 1.5), steps(y)), steps(0.5), sheet::fill(INK)))?;
+    if view.is_dense() {
+        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 3.0), steps(y))], line(INK, 0.2)))?;
+    } else {
+        area.draw(&Circle::new((steps(x + 1.5), steps(y)), steps(0.5), sheet::fill(INK)))?;
+    }
     sheet::text_left(area, "measured", x + 3.5, y, SMALL, INK)?;
     x += 19.0;
     if !view.fitted.is_empty() {
-        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 4.5), steps(y))], line(BLUE, 0.45)))?;
+        let style = if view.is_dense() { underlay(BLUE, 0.8) } else { line(BLUE, 0.45) };
+        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 4.5), steps(y))], style))?;
         sheet::text_left(area, "fitted", x + 5.5, y, SMALL, INK)?;
         x += 15.5;
     }
@@ -158,12 +177,12 @@ pub fn place(prediction: &Prediction, placement: &Placement) -> Vec<Point> {
 }
 
 fn caption(n: usize, fit: Option<&HemFit>, study: &RunStudy) -> String {
-    use crate::report::number::{fixed, significant};
+    use crate::report::number::{fixed, to_error};
     let Some(fit) = fit else { return format!("n = {n} · no fit") };
     let folds = fit.folds.map_or_else(|| "no folds".into(), |m| format!("m = {m}"));
     let lambda = match (&study.lambda.first_integral, &study.lambda.over_weight) {
-        (Some((estimate, r2)), _) => format!(" · λ = {} N/m² (R² {})", significant(estimate.value, 3), fixed(*r2, 2)),
-        (None, Some((estimate, r2))) => format!(" · λ/(ρg) = {} (R² {})", significant(estimate.value, 3), fixed(*r2, 2)),
+        (Some((estimate, r2)), _) => format!(" · λ = {} N/m² (R² {})", to_error(estimate.value, estimate.standard_error), fixed(*r2, 2)),
+        (None, Some((estimate, r2))) => format!(" · λ/(ρg) = {} (R² {})", to_error(estimate.value, estimate.standard_error), fixed(*r2, 2)),
         (None, None) => String::new(),
     };
     format!("n = {n} · {folds} · rms {} mm{lambda}", fixed(fit.rms / MILLIMETRE, 2))

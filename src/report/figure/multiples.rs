@@ -67,7 +67,7 @@ fn paint(area: &Area<'_>, rows: &[Row], width: f64, height: f64, reach: f64) -> 
             let (cx, cy) = (view.centre.x / CENTIMETRE, view.centre.y / CENTIMETRE);
             let mut chart = ChartBuilder::on(&cell).build_cartesian_2d((cx - half)..(cx + half), (cy - half)..(cy + half))?;
             // A thumb's width resolves no more than about 130 points of a curve.
-            curves(&mut chart, view, 0.4, 3)?;
+            curves(&mut chart, view, sheet::underlay(BLUE, 0.6), 0.4, 3)?;
             sheet::solid(&mut chart, &closed(&view.measured, 1), line(INK, 0.18))?;
             sheet::text_centre(area, caption, left + 0.5 * width, top + height - 1.9, 5.4, INK)?;
         }
@@ -80,7 +80,7 @@ fn legend(area: &Area<'_>, reach: f64, side: f64) -> Drawn {
     let y = 3.0;
     area.draw(&PathElement::new(vec![(steps(0.0), steps(y)), (steps(6.0), steps(y))], line(INK, 0.18)))?;
     sheet::text_left(area, "measured", 7.5, y, LABEL, INK)?;
-    area.draw(&PathElement::new(vec![(steps(27.0), steps(y)), (steps(33.0), steps(y))], line(BLUE, 0.5)))?;
+    area.draw(&PathElement::new(vec![(steps(27.0), steps(y)), (steps(33.0), steps(y))], sheet::underlay(BLUE, 0.6)))?;
     sheet::text_left(area, "fitted", 34.5, y, LABEL, INK)?;
     for i in 0..3 {
         let from = 49.0 + 2.4 * f64::from(i);

@@ -79,6 +79,11 @@ pub fn line(color: RGBColor, width: f64) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: false, stroke_width: (width * GRID).round().max(1.0) as u32 }
 }
 
+/// A broad line in a lighter shade, for a thin dark one to lie on: the two stay apart in grey too.
+pub fn underlay(color: RGBColor, width: f64) -> ShapeStyle {
+    ShapeStyle { color: color.mix(0.5), ..line(color, width) }
+}
+
 /// A filled shape.
 pub fn fill(color: RGBColor) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: true, stroke_width: 0 }
@@ -116,9 +121,11 @@ pub fn text_centre(area: &Area<'_>, text: &str, x: f64, y: f64, size: f64, color
     put(area, text, x, y, &anchored(size, color, false, HPos::Center, VPos::Center))
 }
 
-/// The title of a figure or panel: bold, its left edge at `x`.
+/// The title of a figure or panel: bold, its left edge at `x`, smaller where it would not fit on the sheet.
 pub fn title(area: &Area<'_>, text: &str, x: f64, y: f64) -> Drawn {
-    put(area, text, x, y, &anchored(TITLE, INK, true, HPos::Left, VPos::Center))
+    // Bold letters are a seventh wider.
+    let room = (f64::from(area.dim_in_pixel().0) / GRID - x) / 1.14;
+    put(area, text, x, y, &anchored(fitted(text, room, TITLE), INK, true, HPos::Left, VPos::Center))
 }
 
 fn put(area: &Area<'_>, text: &str, x: f64, y: f64, style: &TextStyle<'_>) -> Drawn {

@@ -41,7 +41,7 @@ fn all() -> Vec<(String, String)> {
         .collect();
     figures.push(("half_normal".into(), half_normal::draw("Mean radius p", "mm", 8, &scores, Some(3.1)).unwrap()));
     let residuals: Vec<_> = (0..39)
-        .map(|i| f64::from(i))
+        .map(f64::from)
         .map(|i| residuals::Residual {
             run: format!("{}", i + 1.0),
             fitted: 150.0 + (i % 8.0) * 4.0,
