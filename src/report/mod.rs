@@ -9,6 +9,7 @@ pub mod gallery;
 pub mod note;
 pub mod number;
 pub mod output;
+pub mod paper;
 pub mod raster;
 pub mod summary;
 pub mod table;
