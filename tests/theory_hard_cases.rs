@@ -191,7 +191,8 @@ fn where_two_fold_counts_cost_the_same_both_are_reported() {
     }
     let hem = ruled(0.2362, soft, Folds::Auto, 4);
     assert!(matches!(hem.folds, 5 | 6));
-    let tied = hem.branches.iter().filter(|b| (b.energy / hem.energy - 1.0).abs() < 1e-9 && 0.0 < b.lowest_curvature).count();
+    let tied =
+        hem.branches.iter().filter(|b| (b.energy / hem.energy - 1.0).abs() < 1e-9 && b.lowest_curvature.is_some_and(|c| 0.0 < c)).count();
     assert_eq!(tied, 2, "{:?}", hem.branches);
     // On either side of the tie the answer is the branch that has become cheaper.
     assert_eq!([ruled(0.2362, 1.001 * soft, Folds::Auto, 4).folds, ruled(0.2362, 0.999 * soft, Folds::Auto, 4).folds], [5, 6]);
@@ -201,7 +202,7 @@ fn where_two_fold_counts_cost_the_same_both_are_reported() {
 fn every_reported_branch_is_a_minimum_within_its_symmetry() {
     let hem = ruled(0.2362, 5e-6, Folds::Auto, 8);
     for branch in hem.branches.iter().filter(|b| b.folds != 0) {
-        assert!(0.0 < branch.lowest_curvature, "{branch:?}");
+        assert!(branch.lowest_curvature.is_some_and(|c| 0.0 < c), "{branch:?}");
         // It exists because its cloth is softer than the threshold of its fold count.
         assert!(branch.threshold_rigidity.is_some_and(|b| 5e-6 < b), "{branch:?}");
     }

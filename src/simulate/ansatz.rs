@@ -97,7 +97,7 @@ pub struct PaperRitz {
     /// Whether sideways lean was free; without, s = 0.
     pub lean: bool,
     /// Lowest curvature of the Lagrangian along the constraint; positive at a minimum.
-    pub lowest_curvature: f64,
+    pub lowest_curvature: Option<f64>,
     pub termination: Termination,
     pub evaluations: usize,
 }
@@ -115,7 +115,7 @@ pub fn paper(skirt: &Skirt, weight: f64, foundation: f64, folds: u32, lean: bool
         functional: minimum.objective.value,
         lambda: minimum.multiplier / problem.size,
         lean,
-        lowest_curvature: minimum.lowest_curvature().unwrap_or(f64::INFINITY),
+        lowest_curvature: minimum.lowest_curvature(),
         termination: minimum.ending.into(),
         evaluations: minimum.evaluations,
     })
@@ -184,7 +184,7 @@ struct State {
     energy: f64,
     gravity: f64,
     multiplier: f64,
-    lowest_curvature: f64,
+    lowest_curvature: Option<f64>,
     threshold_rigidity: Option<f64>,
     termination: Termination,
 }
@@ -195,7 +195,7 @@ impl State {
         Branch {
             asked: self.asked,
             folds: self.hem.folds,
-            harmonics: 0,
+            harmonics: None,
             energy: self.energy,
             depth: high - low,
             threshold_rigidity: self.threshold_rigidity,
@@ -217,7 +217,7 @@ impl Search<'_> {
             energy,
             gravity,
             multiplier,
-            lowest_curvature: 0.0,
+            lowest_curvature: None,
             threshold_rigidity: None,
             termination: Termination::Round,
         })
@@ -251,7 +251,7 @@ impl Search<'_> {
                 energy: energy.total().value,
                 gravity: energy.gravity.value,
                 multiplier: minimum.multiplier / problem.size,
-                lowest_curvature: minimum.lowest_curvature().unwrap_or(0.0),
+                lowest_curvature: minimum.lowest_curvature(),
                 threshold_rigidity: None,
                 termination: minimum.ending.into(),
             })

@@ -236,11 +236,11 @@ impl Search<'_> {
         let branch = Branch {
             asked,
             folds: if folded { asked * ruled::period(&sizes) } else { 0 },
-            harmonics,
+            harmonics: Some(harmonics),
             energy: if folded { minimum.at.value } else { round },
             depth: 0.0,
             threshold_rigidity: None,
-            lowest_curvature: minimum.lowest_curvature(),
+            lowest_curvature: Some(minimum.lowest_curvature()),
             termination: if folded { minimum.ending.into() } else { Termination::Round },
         };
         let mut state = State { shell, minimum, branch };

@@ -110,7 +110,8 @@ pub struct Branch {
     /// True period of the solution: a branch may slide to a subharmonic. 0: it went back to the round cone.
     pub folds: u32,
     /// Harmonics it was solved with: fold counts that one harmonic puts far above the least energy are not refined.
-    pub harmonics: usize,
+    /// `None` where the family has none.
+    pub harmonics: Option<usize>,
     /// In the unit of the prediction's energy.
     pub energy: f64,
     /// max r − min r, m.
@@ -118,7 +119,8 @@ pub struct Branch {
     /// Flexural rigidity above which the round cone is stable against the asked folds, N·m; `None` if it always is, or the theory has no rigidity.
     pub threshold_rigidity: Option<f64>,
     /// Lowest eigenvalue of the energy's Hessian within the branch's own family, J; positive: stable against changes that keep its symmetry.
-    pub lowest_curvature: f64,
+    /// `None` where the theory gives an extremal, not a minimum.
+    pub lowest_curvature: Option<f64>,
     pub termination: Termination,
 }
 

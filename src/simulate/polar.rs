@@ -69,11 +69,11 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
     let branch = Branch {
         asked: m,
         folds: m,
-        harmonics: 0,
+        harmonics: None,
         energy,
         depth: turning.outer - turning.inner,
         threshold_rigidity: None,
-        lowest_curvature: 0.0,
+        lowest_curvature: None,
         termination: Termination::Converged,
     };
     Ok(Prediction {
@@ -104,11 +104,11 @@ fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> 
     let branch = Branch {
         asked,
         folds: 0,
-        harmonics: 0,
+        harmonics: None,
         energy,
         depth: 0.0,
         threshold_rigidity: None,
-        lowest_curvature: 0.0,
+        lowest_curvature: None,
         termination: Termination::Round,
     };
     Prediction {

@@ -271,8 +271,8 @@ impl Search<'_> {
 
     fn describe(&self, shell: &RuledShell, minimum: &mut Minimum, round: f64) -> Branch {
         let asked = shell.folds();
-        let lowest_curvature = minimum.lowest_curvature();
-        let harmonics = minimum.x.len();
+        let lowest_curvature = Some(minimum.lowest_curvature());
+        let harmonics = Some(minimum.x.len());
         let threshold_rigidity = threshold_rigidity(self.skirt, self.cloth.weight(), asked);
         if round - minimum.at.value <= ROUNDING * round {
             return Branch {
