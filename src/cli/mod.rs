@@ -2,6 +2,7 @@
 
 pub mod fit;
 pub mod init;
+pub mod paper;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -35,6 +36,7 @@ enum Command {
     Predict(predict::Predict),
     Regress(regress::Regress),
     Init(init::Init),
+    Paper(paper::Paper),
 }
 
 /// Parses the command line and runs it.
@@ -46,6 +48,7 @@ pub fn run() -> ExitCode {
         Command::Predict(args) => predict::run(&args),
         Command::Regress(args) => regress::run(&args),
         Command::Init(args) => init::run(&args),
+        Command::Paper(args) => paper::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

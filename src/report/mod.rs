@@ -3,11 +3,13 @@
 pub mod csv;
 pub mod date;
 pub mod document;
+pub mod fidelities;
 pub mod figure;
 pub mod gallery;
 pub mod note;
 pub mod number;
 pub mod output;
+pub mod paper;
 pub mod raster;
 pub mod summary;
 pub mod table;

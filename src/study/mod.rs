@@ -2,5 +2,7 @@
 
 pub mod campaign;
 pub mod comparison;
+pub mod fidelities;
 pub mod overview;
+pub mod paper;
 pub mod response;
