@@ -82,7 +82,8 @@ fn a_plain_fit_ends_in_nonsense_on_most_skirts_and_this_one_on_none() {
         let length = polygon_length(outline);
         let (hem, _) = plain_fit(&profile);
         // Curves that fill space begin at a tenth more length than the outline has; cloth does not stretch.
-        if !(hem.perimeter() / length < 1.1) {
+        let stretch = hem.perimeter() / length;
+        if !stretch.is_finite() || 1.1 <= stretch {
             trapped.push(run);
         }
 

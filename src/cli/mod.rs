@@ -3,6 +3,7 @@
 pub mod check;
 pub mod fit;
 pub mod init;
+pub mod paper;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -38,6 +39,7 @@ enum Command {
     Regress(regress::Regress),
     Check(check::Check),
     Init(init::Init),
+    Paper(paper::Paper),
 }
 
 /// Parses the command line and runs it.
@@ -50,6 +52,7 @@ pub fn run() -> ExitCode {
         Command::Regress(args) => regress::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Init(args) => init::run(&args),
+        Command::Paper(args) => paper::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

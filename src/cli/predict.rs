@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::error::Error;
 use crate::experiment::{Fabric, Skirt};
-use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, predict};
+use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, graded, predict, ruled};
 use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 
 /// Predict how a conic skirt hangs, from its cut and its cloth; nothing is fitted.
@@ -37,15 +37,25 @@ pub struct Predict {
     /// Fold count: `auto` for the one of least energy, or a number from 2
     #[arg(long, default_value = "auto", value_name = "auto|M", value_parser = folds)]
     folds: Folds,
-    /// Theory: the exact ruled shell, the paper's curve p, q, s in the same energy, or the paper's equation (4)
+    /// Theory: graded (every ring inextensible, generatrices curve; nearest to a real skirt), ruled (generatrices straight), ansatz (the paper's
+    /// curve p, q, s in the ruled energy), polar (the paper's equation (4))
     #[arg(long, value_enum, default_value_t = Method::Ruled)]
     fidelity: Method,
     /// Foundation modulus E of the paper's functional, N/m³; equation (4) only
     #[arg(long, default_value_t = 0.0, value_name = "E")]
     foundation_n_m3: f64,
-    /// Harmonics of the hem's tangent angle, 1 to 32; eight are right to hundredths of a millimetre
-    #[arg(long, default_value_t = 8, value_name = "K")]
-    harmonics: usize,
+    /// Harmonics of the tangent angle; 8 unless told for ruled (up to 32), 3 for graded (up to 12)
+    #[arg(long, value_name = "K")]
+    harmonics: Option<usize>,
+    /// Modes of each harmonic over height, 2 to 24; graded only
+    #[arg(long, default_value_t = graded::MODES, value_name = "J")]
+    height_modes: usize,
+    /// Shear stiffness of the weave, N/m; graded only, 0 leaves shear free
+    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    shear_n_m: f64,
+    /// Resolve the hem to this distance, mm: harmonics and modes are then chosen (ruled and graded)
+    #[arg(long, value_name = "MM")]
+    tolerance_mm: Option<f64>,
     /// Acceleration of free fall, m/s²
     #[arg(long, default_value_t = units::STANDARD_GRAVITY, value_name = "M_S2")]
     gravity_m_s2: f64,
@@ -60,6 +70,7 @@ enum Method {
     Polar,
     Ansatz,
     Ruled,
+    Graded,
 }
 
 fn folds(text: &str) -> Result<Folds, String> {
@@ -94,9 +105,22 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
     let fidelity = match args.fidelity {
         Method::Polar => Fidelity::Polar { foundation: args.foundation_n_m3 },
         Method::Ansatz => Fidelity::Ansatz,
-        Method::Ruled => Fidelity::Ruled { harmonics: args.harmonics },
+        Method::Ruled => Fidelity::Ruled { harmonics: args.harmonics.unwrap_or(ruled::HARMONICS) },
+        Method::Graded => {
+            let harmonics = args.harmonics.unwrap_or(graded::HARMONICS);
+            Fidelity::Graded { harmonics, modes: args.height_modes, shear: args.shear_n_m }
+        }
     };
-    predict(&skirt, &fabric, &Options { fidelity, folds: args.folds, gravity: args.gravity_m_s2 })
+    predict(
+        &skirt,
+        &fabric,
+        &Options {
+            fidelity,
+            folds: args.folds,
+            gravity: args.gravity_m_s2,
+            tolerance: args.tolerance_mm.map(|t| Metre(t * units::MILLIMETRE)),
+        },
+    )
 }
 
 /// The prediction as one JSON object; what a fidelity does not have has no key.
@@ -113,6 +137,9 @@ fn to_json(prediction: &Prediction) -> Value {
     if let Some(hem) = &prediction.hem {
         out.extend([("p_m", hem.p), ("q_m", hem.q), ("s_m", hem.s)].map(|(key, value)| (key.to_string(), json!(value))));
     }
+    if let Some(rms) = prediction.hem_rms {
+        out.insert("p_q_s_rms_m".into(), json!(rms));
+    }
     if let Some(multiplier) = &prediction.multiplier {
         out.insert("lambda".into(), json!(multiplier.value));
         out.insert("lambda_unit".into(), json!(multiplier.unit));
@@ -126,6 +153,9 @@ fn to_json(prediction: &Prediction) -> Value {
     out.insert("hem_radius_max_m".into(), json!(prediction.hem_radius_max));
     out.insert("coefficients".into(), json!(prediction.coefficients));
     out.insert("termination".into(), json!(prediction.termination));
+    if let Some(error) = prediction.error_estimate {
+        out.insert("error_estimate_m".into(), json!(error));
+    }
     out.insert("evaluations".into(), json!(prediction.evaluations));
     let branch = |b: &Branch| {
         json!({
@@ -134,6 +164,7 @@ fn to_json(prediction: &Prediction) -> Value {
             "harmonics": b.harmonics,
             (format!("{total}_{unit}")): b.energy,
             "depth_m": b.depth,
+            "threshold_rigidity_n_m": b.threshold_rigidity,
             "lowest_curvature": b.lowest_curvature,
             "termination": b.termination,
         })
@@ -156,6 +187,9 @@ fn to_text(prediction: &Prediction) -> String {
         millimetres(prediction.hem_radius_max),
         millimetres(prediction.depth())
     );
+    if let Some(error) = prediction.error_estimate {
+        out += &format!("resolved to  {:.2e} mm\n", millimetres(error));
+    }
     if prediction.energy_unit == "J" {
         out += &format!("energy       {:.4} mJ\n", millijoules(prediction.energy));
         for term in &prediction.terms {
@@ -164,8 +198,9 @@ fn to_text(prediction: &Prediction) -> String {
     } else {
         out += &format!("functional   {:.6} {}\n", prediction.energy, prediction.energy_unit);
     }
-    if let Some(hem) = &prediction.hem {
-        out += &format!("p, q, s      {:.2}, {:.2}, {:.2} mm\n", millimetres(hem.p), millimetres(hem.q), millimetres(hem.s));
+    if let (Some(hem), Some(rms)) = (&prediction.hem, prediction.hem_rms) {
+        let (p, q, s, rms) = (millimetres(hem.p), millimetres(hem.q), millimetres(hem.s), millimetres(rms));
+        out += &format!("p, q, s      {p:.2}, {q:.2}, {s:.2} mm, which miss this hem by {rms:.1} mm rms\n");
     }
     if let Some(multiplier) = &prediction.multiplier {
         out += &format!("lambda       {:.6} {}\n", multiplier.value, multiplier.unit);
@@ -233,7 +268,11 @@ mod tests {
         assert_eq!((polar["lambda_unit"].as_str(), polar.get("energy_j")), (Some("N/m²"), None));
         let ansatz = of("ansatz");
         assert!((ansatz["p_m"].as_f64().unwrap() - 0.13152467).abs() < 1e-8 && ansatz["lambda_unit"] == "N");
-        assert!(of("ruled").get("p_m").is_none());
+        let ruled = of("ruled");
+        assert!((ruled["p_m"].as_f64().unwrap() / ansatz["p_m"].as_f64().unwrap() - 1.0).abs() < 0.05);
+        assert_eq!((ansatz["p_q_s_rms_m"].as_f64(), ruled["lambda_unit"].as_str()), (Some(0.0), Some("N")));
+        let graded = of("graded");
+        assert_eq!((graded["folds"].as_u64(), graded["coefficients"].as_array().unwrap().len()), (Some(5), 3));
     }
 
     #[test]

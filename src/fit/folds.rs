@@ -3,10 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use super::circle::{self, Circle};
+use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, smooth};
 use super::start::{Start, matched};
-use super::trial::{Trial, Work};
+use super::trial::{Reached, Trial, Work};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
@@ -90,12 +91,26 @@ fn work_through(points: &[Point], outline: &Outline, options: &Options, work: &W
     let mut starts: Vec<Start> = folds.map(|m| matched(outline, m)).collect();
     starts.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     let mut trials: Vec<Trial> = Vec::with_capacity(starts.len() + 1);
-    let mut reached = f64::INFINITY;
-    for start in &starts {
-        let trial = screening.trial(start, reached);
-        if trial.sane() {
-            reached = reached.min(trial.rms());
+    let mut reached = Reached::nothing();
+    let mut starts = starts.into_iter();
+    for start in starts.by_ref() {
+        let trial = screening.trial(&start, None, reached);
+        reached.note(&trial, &screening);
+        let sane = trial.sane();
+        trials.push(trial);
+        if sane {
+            break;
         }
+    }
+    // Where folds are uneven the matches by length are all poor; the warped ones tell better which to try next.
+    let warp = reached.apart.is_finite();
+    let mut rest: Vec<(Option<Matched>, Start)> = starts.map(|start| (warp.then(|| screening.ordered(&start)), start)).collect();
+    if warp {
+        rest.sort_by(|a, b| a.0.as_ref().map_or(0.0, |m| m.rms).total_cmp(&b.0.as_ref().map_or(0.0, |m| m.rms)));
+    }
+    for (ordered, start) in rest {
+        let trial = screening.trial(&start, ordered, reached);
+        reached.note(&trial, &screening);
         trials.push(trial);
     }
     if fewer.len() < points.len() {

@@ -124,11 +124,11 @@ impl Problem for Orthogonal<'_> {
     fn residuals(&mut self, unknowns: &[f64], residuals: &mut [f64]) -> bool {
         let (hem, placement) = curve(unknowns, self.folds);
         self.iterate = (hem, placement);
-        for i in 0..self.points.len() {
-            let foot = follow(&hem, centred(self.points[i], &placement), self.feet[i]);
-            residuals[i] = foot.distance();
+        for (i, (point, residual)) in self.points.iter().zip(residuals).enumerate() {
+            let foot = follow(&hem, centred(*point, &placement), self.feet[i]);
+            *residual = foot.distance();
             self.trial[i] = Some(foot);
-            if !residuals[i].is_finite() {
+            if !residual.is_finite() {
                 return false;
             }
         }

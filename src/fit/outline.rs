@@ -5,6 +5,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::experiment::{DrapeProfile, Point};
+use crate::model::hem::{Hem, Placement};
 
 /// Samples of the polygon, and of the smooth curve: 1024 resolve 60 folds with 17 samples each.
 const SAMPLES: usize = 1024;
@@ -60,7 +61,9 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     let length = length * (1.0 - 0.5 * roughness.min(0.5));
     let (cx, cy) = centroid(&samples);
     let radius = (samples.iter().map(|p| (p.x - cx).powi(2) + (p.y - cy).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
-    let crossings = crossings(&samples);
+    // Every second sample: crossings of folds, not of noise.
+    let every_second: Vec<Point> = samples.iter().copied().step_by(2).collect();
+    let crossings = crossings(&every_second);
     Outline { samples, length, order, noise, radius, crossings }
 }
 
@@ -113,10 +116,25 @@ pub fn centroid(samples: &[Point]) -> (f64, f64) {
 
 /// How often a closed polygon crosses itself.
 pub fn crossings(points: &[Point]) -> usize {
+    crossings_of(points, points.len())
+}
+
+/// How often the hem curve crosses itself; an upper bound, because a crossing of two folds is counted from both.
+pub fn hem_crossings(hem: &Hem) -> usize {
+    const NODES: usize = 48;
+    let folds = hem.folds.max(1) as usize;
+    // All folds are alike: the sides of one are held against all. An outline of few folds gets the nodes of six.
+    let nodes = NODES * 6_usize.div_ceil(folds);
+    let points = hem.outline(&Placement::ORIGIN, nodes * folds);
+    crossings_of(&points, nodes) * folds
+}
+
+/// How often the first `sides` sides of a closed polygon cross a later side.
+fn crossings_of(points: &[Point], sides: usize) -> usize {
     let n = points.len();
     let side = |a: Point, b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     let mut count = 0;
-    for i in 0..n {
+    for i in 0..sides {
         let (a, b) = (points[i], points[(i + 1) % n]);
         let (x_low, x_high) = (a.x.min(b.x), a.x.max(b.x));
         let (y_low, y_high) = (a.y.min(b.y), a.y.max(b.y));
@@ -247,7 +265,6 @@ fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (us
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::hem::{Hem, Placement};
 
     const HEM: Hem = Hem { p: 0.1315, q: 0.0527, s: 0.00873, folds: 5 };
 

@@ -5,7 +5,7 @@
 //! does not stretch, the hem does not pass through itself, and a curve is near the outline only if the outline is near the curve.
 
 use super::outcome::Rule;
-use super::outline::{Outline, crossings};
+use super::outline::{Outline, hem_crossings};
 use super::start::LengthTable;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
@@ -53,7 +53,7 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
         return Some(Rule::Order);
     }
     let curve = hem.outline(placement, 48 * hem.folds.max(6) as usize);
-    if evidence.outline.crossings < crossings(&curve) {
+    if evidence.outline.crossings < hem_crossings(hem) {
         return Some(Rule::Simplicity);
     }
     if curve.iter().any(|&p| evidence.strays(p)) {

@@ -25,6 +25,8 @@ const LEAST_GAIN_FROM_LENGTHS: f64 = 0.4;
 const LEAST_GAIN_FROM_WARPING: f64 = 0.6;
 /// Relative difference of outline and cut beyond which the cut is not believed to be what the plan view shows.
 const CUT_SLACK: f64 = 0.02;
+/// A match this much further from the outline than the best curve has no weight left: with a hundred points less than 1 %.
+const LEAST_LOSS_FROM_FIT: f64 = 1.05;
 /// A curve whose distance is above that of the best by this factor has no weight left, whichever rule it breaks: with the fewest points
 /// allowed the weight falls to a tenth, with a hundred to 1e-8.
 const BEATEN: f64 = 1.2;
@@ -35,6 +37,8 @@ pub(super) struct Trial {
     pub hem: Hem,
     pub placement: Placement,
     pub feet: Vec<f64>,
+    /// Fraction of the outline's length at which the crest t = 0 lies.
+    pub offset: f64,
     pub distances: Vec<f64>,
     pub sum_of_squares: f64,
     /// Free parameters of the curve.
@@ -59,6 +63,7 @@ impl Trial {
             hem,
             placement: Placement { x0: round.x0, y0: round.y0, phase: 0.0 },
             feet: points.iter().map(|p| (p.y - round.y0).atan2(p.x - round.x0)).collect(),
+            offset: 0.0,
             distances,
             sum_of_squares: round.sum_of_squares,
             parameters: 3,
@@ -93,6 +98,7 @@ impl Trial {
             hem: start.hem,
             placement: start.placement,
             feet: Vec::new(),
+            offset: start.offset,
             distances: Vec::new(),
             sum_of_squares: rms * rms,
             parameters: UNKNOWNS.len(),
@@ -109,6 +115,30 @@ impl Trial {
     pub(super) fn aicc(&self, rms: f64, n: f64) -> f64 {
         let k = self.parameters as f64 + 1.0;
         n * (rms * rms).max(f64::MIN_POSITIVE).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+    }
+}
+
+/// The best that any fold count has reached so far, m; infinite at first.
+#[derive(Clone, Copy)]
+pub(super) struct Reached {
+    /// Least root mean square orthogonal distance of a free optimum.
+    pub free: f64,
+    /// Least distance of a held curve and the outline matched in order.
+    pub apart: f64,
+}
+
+impl Reached {
+    pub(super) fn nothing() -> Reached {
+        Reached { free: f64::INFINITY, apart: f64::INFINITY }
+    }
+
+    /// Takes a sane trial into account.
+    pub(super) fn note(&mut self, trial: &Trial, work: &Work) {
+        match trial.termination {
+            _ if !trial.sane() => (),
+            Termination::Converged => self.free = self.free.min(trial.rms()),
+            _ => self.apart = self.apart.min(work.apart(trial)),
+        }
     }
 }
 
@@ -172,15 +202,15 @@ impl<'a> Work<'a> {
 
     /// How far the curve and the outline are apart when matched in order, both ways, m.
     pub(super) fn apart(&self, trial: &Trial) -> f64 {
-        // Where the crest lies along the outline: the mean over all feet, taken round the circle.
-        let table = LengthTable::of(&trial.hem);
-        let (sin, cos) = trial
-            .feet
-            .iter()
-            .zip(&self.fractions)
-            .map(|(&t, f)| (TAU * (f - table.fraction(t))).sin_cos())
-            .fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        matching::apart(self.outline, &trial.hem, &trial.placement, sin.atan2(cos) / TAU)
+        matching::apart(self.outline, &trial.hem, &trial.placement, trial.offset)
+    }
+
+    /// Fraction of the outline's length at which the crest t = 0 lies: the mean over all feet, taken round the circle.
+    fn offset(&self, hem: &Hem, feet: &[f64]) -> f64 {
+        let table = LengthTable::of(hem);
+        let turns = feet.iter().zip(&self.fractions).map(|(&t, f)| (TAU * (f - table.fraction(t))).sin_cos());
+        let (sin, cos) = turns.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        sin.atan2(cos) / TAU
     }
 
     /// The length that a sane curve has, m.
@@ -199,20 +229,19 @@ impl<'a> Work<'a> {
 
     /// The best sane curve of one fold count: free if that is sane, else at the held length, else at the held length and in order.
     ///
-    /// Not pursued if its match is far worse than what another fold count has `reached` (rms, m).
-    pub(super) fn trial(&self, start: &Start, reached: f64) -> Trial {
-        if reached < LEAST_GAIN_FROM_LENGTHS * start.rms {
+    /// `ordered` is the match at the held length, if it is known already. Not pursued if that is too far from the outline to compete with what
+    /// other fold counts have `reached`.
+    pub(super) fn trial(&self, start: &Start, ordered: Option<Matched>, reached: Reached) -> Trial {
+        if reached.free < LEAST_GAIN_FROM_LENGTHS * start.rms {
             return Trial::not_pursued(start, start.rms);
         }
-        let ordered = if reached.is_finite() && self.options.length != HemLength::Free {
-            let ordered = warped(self.outline, start, Some(self.length()));
-            if reached < LEAST_GAIN_FROM_WARPING * ordered.rms {
-                return Trial::not_pursued(start, ordered.rms);
-            }
-            Some(ordered)
-        } else {
-            None
-        };
+        let known = reached.free.min(reached.apart).is_finite() && self.options.length != HemLength::Free;
+        let ordered = ordered.or_else(|| known.then(|| self.ordered(start)));
+        // A warped match is the nearest that curve and outline can come in order; fits by orthogonal distance are further apart.
+        let hopeless = |m: &Matched| reached.free < LEAST_GAIN_FROM_WARPING * m.rms || LEAST_LOSS_FROM_FIT * reached.apart < m.rms;
+        if let Some(ordered) = ordered.as_ref().filter(|m| hopeless(m)) {
+            return Trial::not_pursued(start, ordered.rms);
+        }
         let mut evaluations = 0;
         let mut last: Option<Trial> = None;
         if !matches!(self.options.length, HemLength::Held(_)) {
@@ -223,7 +252,7 @@ impl<'a> Work<'a> {
             evaluations += trial.evaluations;
             match trial.broken {
                 None => return Trial { evaluations, ..trial },
-                Some(_) if trial.beaten(reached) => {
+                Some(_) if trial.beaten(reached.free) => {
                     return Trial { evaluations, ..Trial::not_pursued(start, trial.rms()) };
                 }
                 Some(_) => last = Some(trial),
@@ -237,17 +266,17 @@ impl<'a> Work<'a> {
             Some(broken) => Termination::HeldLength { broken },
             None => Termination::LengthAsAsked,
         };
-        let ordered = ordered.unwrap_or_else(|| warped(self.outline, start, Some(self.length())));
+        let ordered = ordered.unwrap_or_else(|| self.ordered(start));
         let (hem, placement, feet) = self.feet_by_warping(&ordered);
         let trial = self.orthogonal(hem, placement, feet, Some(self.length()), held.clone());
         evaluations += trial.evaluations;
         if trial.broken.is_none() {
             return Trial { evaluations, ..trial };
         }
-        if trial.beaten(reached) {
+        if trial.beaten(reached.free) {
             return Trial { evaluations, ..Trial::not_pursued(start, trial.rms()) };
         }
-        let (hem, placement, feet) = self.feet_by_length(&Start { hem: stretched(start.hem, self.length()), ..start.clone() });
+        let (hem, placement, feet) = self.feet_by_length(&Start { hem: stretched(start.hem, self.length(), 1e-5), ..start.clone() });
         let again = self.orthogonal(hem, placement, feet, Some(self.length()), held);
         evaluations += again.evaluations;
         if again.broken.is_none() {
@@ -255,6 +284,11 @@ impl<'a> Work<'a> {
         }
         let in_order = self.in_order(ordered, trial.broken.expect("just seen"));
         Trial { evaluations, ..in_order }
+    }
+
+    /// The match at the length that a sane curve has.
+    pub(super) fn ordered(&self, start: &Start) -> Matched {
+        warped(self.outline, start, Some(self.length()))
     }
 
     fn feet_by_length(&self, start: &Start) -> (Hem, Placement, Vec<f64>) {
@@ -288,6 +322,7 @@ impl<'a> Work<'a> {
             folds: hem.folds,
             hem,
             placement,
+            offset: self.offset(&hem, &feet),
             feet,
             sum_of_squares: summary.sum_of_squares,
             distances: summary.residuals,
@@ -328,6 +363,7 @@ impl<'a> Work<'a> {
             folds: hem.folds,
             hem,
             placement,
+            offset: self.offset(&hem, &feet),
             feet,
             sum_of_squares: distances.iter().map(|d| d * d).sum(),
             distances,

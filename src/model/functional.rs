@@ -134,6 +134,76 @@ impl PaperFunctional {
     }
 }
 
+/// How well one of the paper's equations can be made to hold along a curve by its own constants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EquationFit {
+    /// λ of least squares, N/m².
+    pub lambda: f64,
+    /// Constant of least squares, N/m.
+    pub constant: f64,
+    /// Root mean square of what is left, relative to the spread of the equation's left side about its mean: 0 holds, 1 says nothing.
+    pub residual: f64,
+}
+
+/// Equations (15) to (17) of the paper along one curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Equations {
+    /// (15): G − λ y′²/v = C_1.
+    pub fifteen: EquationFit,
+    /// (16): G − λ x′²/v = C_2.
+    pub sixteen: EquationFit,
+    /// Their sum, the one first integral that a Lagrangian free of t has: 2G − λ v = C_1 + C_2.
+    pub sum: EquationFit,
+    /// Their difference, the second line of (17): rms of (x′² − y′²)/v about its mean, relative to its rms. It has to be 0 and is 1 on any closed
+    /// curve of three or more folds: the tangent turns through all directions.
+    pub difference: f64,
+}
+
+impl PaperFunctional {
+    /// Equations (15) to (17) along the curve, its constants fitted; `None` where the hem reaches further than the slant or is a circle.
+    pub fn equations(&self, hem: &Hem) -> Option<Equations> {
+        const NODES: usize = 4096;
+        let mut rows = Vec::with_capacity(NODES);
+        for i in 0..NODES {
+            let t = TAU * i as f64 / NODES as f64;
+            let (local, (sin, cos)) = (hem.local(t), t.sin_cos());
+            let g = self.density(Jet::<0>::constant(local.position.0.hypot(local.position.1)))?.value;
+            let velocity = (local.velocity.0 * cos - local.velocity.1 * sin, local.velocity.0 * sin + local.velocity.1 * cos);
+            rows.push((g, velocity, local.speed()));
+        }
+        let fit = |left: &dyn Fn(f64) -> f64, right: &dyn Fn((f64, f64), f64) -> f64| {
+            let samples: Vec<(f64, f64)> = rows.iter().map(|(g, velocity, v)| (left(*g), right(*velocity, *v))).collect();
+            least_squares(&samples)
+        };
+        let skewness: Vec<f64> = rows.iter().map(|(_, (x, y), v)| (x * x - y * y) / v).collect();
+        let count = NODES as f64;
+        let (mean, square) = (skewness.iter().sum::<f64>() / count, skewness.iter().map(|d| d * d).sum::<f64>() / count);
+        Some(Equations {
+            fifteen: fit(&|g| g, &|(_, y), v| y * y / v)?,
+            sixteen: fit(&|g| g, &|(x, _), v| x * x / v)?,
+            sum: fit(&|g| 2.0 * g, &|_, v| v)?,
+            difference: ((square - mean * mean).max(0.0) / square).sqrt(),
+        })
+    }
+}
+
+/// left = λ right + constant.
+fn least_squares(samples: &[(f64, f64)]) -> Option<EquationFit> {
+    let count = samples.len() as f64;
+    let mean = samples.iter().fold((0.0, 0.0), |m, s| (m.0 + s.0 / count, m.1 + s.1 / count));
+    let (mut ll, mut lr, mut rr) = (0.0, 0.0, 0.0);
+    for (l, r) in samples.iter().map(|s| (s.0 - mean.0, s.1 - mean.1)) {
+        ll += l * l;
+        lr += l * r;
+        rr += r * r;
+    }
+    if rr <= 1e-18 * count * mean.1 * mean.1 || ll <= 0.0 {
+        return None;
+    }
+    let lambda = lr / rr;
+    Some(EquationFit { lambda, constant: mean.0 - lambda * mean.1, residual: (1.0 - lr * lr / (ll * rr)).max(0.0).sqrt() })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -184,5 +254,20 @@ mod tests {
             check(exact.0, up.0, down.0);
             check(exact.1, up.1, down.1);
         }
+    }
+
+    #[test]
+    fn paper_s_equations_do_not_hold_along_its_own_curve() {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        let functional = PaperFunctional::new(&skirt, 1.962, 0.0);
+        let equations = functional.equations(&HEM).unwrap();
+        // The sum is the relation of `first_integral`: two roads to one number.
+        let (lambda, r2) = functional.first_integral(&HEM).unwrap();
+        assert!((equations.sum.lambda - lambda.value).abs() < 1e-12);
+        assert!((equations.sum.residual - (1.0 - r2).sqrt()).abs() < 1e-9);
+        // Birthplace: docs/model.md, section 3: R² = 0.037.
+        assert!((equations.sum.residual - (1.0_f64 - 0.037).sqrt()).abs() < 1e-3);
+        assert!(0.9 < equations.fifteen.residual && 0.9 < equations.sixteen.residual);
+        assert!((equations.difference - 1.0).abs() < 1e-9);
     }
 }

@@ -395,7 +395,7 @@ impl GradedShell {
         let mut angle_back = vec![[zero; 5]; size];
         for (i, cell) in cells.iter().enumerate() {
             let ring = self.slices[i % slices].ring;
-            let ((x, y), (c, inverse)) = (lean[i], fall[i]);
+            let ((x, y), (_, inverse)) = (lean[i], fall[i]);
             let (a, t, cs) = (cell.psi_l * -ring, cell.psi_sigma + 1.0, c_sigma[i]);
             let (vx, vy) = (t * -b - cell.psi_sigma_l * ring, t * a);
             let out = &mut back[i];
@@ -407,7 +407,6 @@ impl GradedShell {
             let x_back = out.x - vx * s - a * d - x * c_back;
             let y_back = out.y - vy * s - d * b - y * c_back;
             let t_back = out.t - vx_back * b + a * vy_back;
-            let _ = c;
             let (x2, y2) = bend[i];
             angle_back[i] = [x_back * y - y_back * x + out.x2 * y2 - out.y2 * x2, t_back, a_back * -ring, vx_back * -ring, zero];
             h1_back.push((x_back * cell.cos - y_back * cell.sin, x_back * cell.sin + y_back * cell.cos));
@@ -520,7 +519,6 @@ mod tests {
         // Birthplace: docs/model.md, section 5b: K 1, J 4 in the polynomial basis; α printed to six digits, and the energy is stationary there.
         let alpha = DVector::from_vec(vec![2.441794, -1.448642, 0.425606, -0.094354]);
         let budget = shell(HeightBasis::Polynomial, 1, 4, 0.0).budget(&alpha).unwrap();
-        println!("{budget:?} {}", budget.gravity + budget.bending);
         assert!((budget.gravity + budget.bending - 0.0033096787).abs() < 1e-10);
     }
 

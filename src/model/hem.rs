@@ -110,44 +110,50 @@ impl Hem {
         self.perimeter_gradient().0
     }
 
-    /// Perimeter Λ (m) and its derivatives by p, q, s.
-    ///
-    /// The node count doubles until two rules agree to 1e-14, so a deeply folded curve gets the nodes it needs.
+    /// Perimeter Λ (m) and its derivatives by p, q, s, to rounding.
     pub fn perimeter_gradient(&self) -> (f64, [f64; 3]) {
+        self.perimeter_to(1e-14)
+    }
+
+    /// Perimeter Λ (m) and its derivatives by p, q, s, until doubling the nodes changes it by less than `tolerance` (relative).
+    ///
+    /// A deeply folded curve gets the nodes it needs; one that nearly stands still somewhere converges algebraically, and gets 2¹⁴ a fold at most.
+    pub fn perimeter_to(&self, tolerance: f64) -> (f64, [f64; 3]) {
         let mut nodes = 32;
-        let mut last = self.perimeter_with(nodes);
+        let mut mean = self.perimeter_mean(nodes, 0.0);
         loop {
+            // The nodes between: the mean of both rules is the rule of twice the nodes.
+            let between = self.perimeter_mean(nodes, 0.5);
+            let next: [f64; 4] = std::array::from_fn(|j| 0.5 * (mean[j] + between[j]));
             nodes *= 2;
-            let next = self.perimeter_with(nodes);
-            let change = (next.0 - last.0).abs() / next.0.abs().max(f64::MIN_POSITIVE);
-            // A curve that nearly stands still somewhere converges algebraically; 2^14 nodes a fold is past any use of the digits.
-            if change < 1e-14 || 1 << 14 <= nodes || !next.0.is_finite() {
-                return next;
+            let change = (next[0] - mean[0]).abs() / next[0].abs().max(f64::MIN_POSITIVE);
+            mean = next;
+            if change < tolerance || 1 << 14 <= nodes || !mean[0].is_finite() {
+                let [length, by_p, by_q, by_s] = mean.map(|value| TAU * value);
+                return (length, [by_p, by_q, by_s]);
             }
-            last = next;
         }
     }
 
-    /// Trapezoid rule over one fold (all folds are alike), `nodes` nodes.
-    fn perimeter_with(&self, nodes: usize) -> (f64, [f64; 3]) {
+    /// Means of |c'| and of its derivatives by p, q, s over one fold (all are alike): `nodes` even nodes, shifted by a share of their step.
+    fn perimeter_mean(&self, nodes: usize, shift: f64) -> [f64; 4] {
         let m = f64::from(self.folds.max(1));
-        let (mut length, mut gradient) = (0.0, [0.0; 3]);
+        let mut sum = [0.0; 4];
         for i in 0..nodes {
-            let t = TAU / m * i as f64 / nodes as f64;
-            let (sin_fold, cos_fold) = (m * t).sin_cos();
-            let local = self.local(t);
-            let (radial, tangential) = local.velocity;
-            let speed = local.speed();
-            length += speed;
+            let (sin_fold, cos_fold) = (TAU * (i as f64 + shift) / nodes as f64).sin_cos();
+            let sin_lean = 2.0 * sin_fold * cos_fold;
+            let cos_lean = 1.0 - 2.0 * sin_fold * sin_fold;
+            let radial = -m * self.q * sin_fold - self.s * sin_lean;
+            let tangential = self.p + self.q * cos_fold + 2.0 * m * self.s * cos_lean;
+            let speed = (radial * radial + tangential * tangential).sqrt();
+            sum[0] += speed;
             if 0.0 < speed {
-                let cos_lean = 1.0 - 2.0 * sin_fold * sin_fold;
-                gradient[0] += tangential / speed;
-                gradient[1] += (-m * sin_fold * radial + cos_fold * tangential) / speed;
-                gradient[2] += (-local.sin_lean * radial + 2.0 * m * cos_lean * tangential) / speed;
+                sum[1] += tangential / speed;
+                sum[2] += (-m * sin_fold * radial + cos_fold * tangential) / speed;
+                sum[3] += (-sin_lean * radial + 2.0 * m * cos_lean * tangential) / speed;
             }
         }
-        let weight = TAU / nodes as f64;
-        (length * weight, gradient.map(|g| g * weight))
+        sum.map(|value| value / nodes as f64)
     }
 
     /// Least and greatest distance from the centre, m.

@@ -5,4 +5,5 @@ pub mod energy;
 pub mod functional;
 pub mod graded;
 pub mod hem;
+pub mod skirt;
 pub mod tangent;

@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
 use crate::model::energy::gravity::Gravity;
+use crate::numerics::jet::Jet;
 use crate::numerics::minimize::{Expansion, Smooth};
 
 /// The ruled shell of one skirt over hems of `folds` folds and `harmonics` coefficients, discretized.
@@ -93,6 +94,24 @@ impl RuledShell {
         Some(budget)
     }
 
+    /// Mean Lagrange multiplier of the hem's length, N: by how much the energy of the shape with coefficients `a` changes per metre of hem.
+    ///
+    /// Derivative by |dc/dσ| alone, over 2π; cloth and waist stay as they are. At a minimum over `a` it is the derivative of the least energy.
+    pub fn length_multiplier(&self, a: &DVector<f64>) -> Option<f64> {
+        let (psi, slope) = (&self.sines * a, &self.slopes * a);
+        let hem = self.position(&psi);
+        let count = psi.len();
+        let mut sum = 0.0;
+        for n in 0..count {
+            let (x, y) = (hem[n] - self.waist, hem[count + n]);
+            // h is proportional to the hem's radius.
+            sum += self.weights[n] * self.gravity.density(x * x + y * y)?.first * 2.0 * (x * hem[n] + y * hem[count + n]) / self.hem;
+            let (constant, quadratic) = self.bending.density(Jet::<1>::constant(psi[n].cos()), Jet::variable(self.hem, 0));
+            sum += self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
+        }
+        Some(sum / TAU)
+    }
+
     /// (Re h, Im h) at the nodes, stacked, m.
     fn position(&self, psi: &DVector<f64>) -> DVector<f64> {
         let count = psi.len();
@@ -101,22 +120,7 @@ impl RuledShell {
 
     /// The curve with coefficients `a`, for evaluation anywhere.
     pub fn curve(&self, a: &DVector<f64>) -> TangentHem {
-        let psi = &self.sines * a;
-        let half = psi.len() - 1;
-        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
-        let m = f64::from(self.folds);
-        let modes = (0..half).map(|j| {
-            // w_{±j} = C_j ± S_j: e^{iψ} has an even real and an odd imaginary part, so its coefficients are real.
-            let (mut even, mut odd) = (0.0, 0.0);
-            for n in 0..=half {
-                let (sin, cos) = table[n * j % (2 * half)];
-                even += self.weights[n] * psi[n].cos() * cos;
-                odd += self.weights[n] * psi[n].sin() * sin;
-            }
-            let (even, odd, jm) = (even / TAU, odd / TAU, m * j as f64);
-            if j == 0 { (self.hem * even, 0.0) } else { (self.hem * (even + odd) / (1.0 + jm), self.hem * (even - odd) / (1.0 - jm)) }
-        });
-        TangentHem { folds: self.folds, hem: self.hem, coefficients: a.iter().copied().collect(), modes: modes.collect() }
+        TangentHem::new(self.folds, self.hem, a.as_slice(), self.weights.len() - 1)
     }
 }
 
@@ -231,6 +235,27 @@ pub struct TangentHem {
 }
 
 impl TangentHem {
+    /// The closed curve of `folds` ≥ 2 folds and length 2π · `hem` (m) with coefficients a_1 … a_K, from `half` intervals in half a fold.
+    pub fn new(folds: u32, hem: f64, coefficients: &[f64], half: usize) -> Self {
+        let m = f64::from(folds);
+        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
+        let psi = |n: usize| coefficients.iter().enumerate().map(|(k, a)| a * table[n * (k + 1) % (2 * half)].0).sum::<f64>();
+        let turned: Vec<(f64, f64)> = (0..=half).map(|n| psi(n).sin_cos()).collect();
+        let weight = |n: usize| if n == 0 || n == half { 0.5 } else { 1.0 } / half as f64;
+        let modes = (0..half).map(|j| {
+            // w_{±j} = C_j ± S_j: e^{iψ} has an even real and an odd imaginary part, so its coefficients are real.
+            let (mut even, mut odd) = (0.0, 0.0);
+            for (n, (sin_psi, cos_psi)) in turned.iter().enumerate() {
+                let (sin, cos) = table[n * j % (2 * half)];
+                even += weight(n) * cos_psi * cos;
+                odd += weight(n) * sin_psi * sin;
+            }
+            let jm = m * j as f64;
+            if j == 0 { (hem * even, 0.0) } else { (hem * (even + odd) / (1.0 + jm), hem * (even - odd) / (1.0 - jm)) }
+        });
+        TangentHem { folds, hem, coefficients: coefficients.to_vec(), modes: modes.collect() }
+    }
+
     /// h(φ) and dh/dφ at φ = mσ, m.
     fn turning(&self, phi: f64) -> ((f64, f64), (f64, f64)) {
         let (mut x, mut y) = (0.0, 0.0);
@@ -315,6 +340,21 @@ mod tests {
             let column = (up.gradient - down.gradient) / (2.0 * h);
             assert!((exact.hessian.column(k) - column).amax() < 1e-11);
         }
+    }
+
+    #[test]
+    fn length_multiplier_agrees_with_a_longer_hem() {
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let h = 1e-6;
+        let at = |by: f64| {
+            let mut longer = shell(5, 4);
+            longer.kernel *= (longer.hem + by) / longer.hem;
+            longer.hem += by;
+            longer.budget(&a).unwrap().total()
+        };
+        let numeric = (at(h) - at(-h)) / (2.0 * h) / TAU;
+        // Truncation h²U‴/6 with U‴ ~ U/(1 cm)³, rounding eps·U/h.
+        assert!((shell(5, 4).length_multiplier(&a).unwrap() - numeric).abs() < 1e-8, "{numeric}");
     }
 
     #[test]

@@ -23,7 +23,7 @@ const LEAN: f64 = 0.16;
 pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Prediction, Error> {
     ruled::refuse_disc(skirt)?;
     let shell = AnsatzShell::new(skirt, cloth.weight(), cloth.rigidity());
-    let mut search = Search { skirt, shell, evaluations: 0 };
+    let mut search = Search { skirt, shell, weight: cloth.weight(), evaluations: 0 };
     let round = search.round()?;
     let mut states = Vec::new();
     match folds {
@@ -70,9 +70,20 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
         branches,
         notes,
         hem: Some(best.hem),
+        hem_rms: Some(0.0),
         multiplier: Some(Multiplier { value: best.multiplier, unit: "N" }),
         turning: None,
+        error_estimate: None,
     })
+}
+
+/// p, q, s of least ruled energy, the fold count included.
+///
+/// # Errors
+/// As [`super::predict`]; [`Error::Unanswerable`] if the skirt hangs round.
+pub fn least(skirt: &Skirt, cloth: &Cloth) -> Result<Hem, Error> {
+    let round = || Error::Unanswerable("the skirt hangs round: the paper's curve has no folds to show".into());
+    predict(skirt, cloth, Folds::Auto)?.hem.filter(|hem| hem.folds != 0).ok_or_else(round)
 }
 
 /// A Ritz solution of the paper's own functional (10) under the paper's constraint.
@@ -86,7 +97,7 @@ pub struct PaperRitz {
     /// Whether sideways lean was free; without, s = 0.
     pub lean: bool,
     /// Lowest curvature of the Lagrangian along the constraint; positive at a minimum.
-    pub lowest_curvature: f64,
+    pub lowest_curvature: Option<f64>,
     pub termination: Termination,
     pub evaluations: usize,
 }
@@ -104,7 +115,7 @@ pub fn paper(skirt: &Skirt, weight: f64, foundation: f64, folds: u32, lean: bool
         functional: minimum.objective.value,
         lambda: minimum.multiplier / problem.size,
         lean,
-        lowest_curvature: minimum.lowest_curvature().unwrap_or(f64::INFINITY),
+        lowest_curvature: minimum.lowest_curvature(),
         termination: minimum.ending.into(),
         evaluations: minimum.evaluations,
     })
@@ -161,6 +172,7 @@ impl<E: Fn(&Hem) -> Option<HemJet>> Constrained for Ritz<E> {
 struct Search<'a> {
     skirt: &'a Skirt,
     shell: AnsatzShell,
+    weight: f64,
     evaluations: usize,
 }
 
@@ -172,7 +184,8 @@ struct State {
     energy: f64,
     gravity: f64,
     multiplier: f64,
-    lowest_curvature: f64,
+    lowest_curvature: Option<f64>,
+    threshold_rigidity: Option<f64>,
     termination: Termination,
 }
 
@@ -182,9 +195,10 @@ impl State {
         Branch {
             asked: self.asked,
             folds: self.hem.folds,
-            harmonics: 0,
+            harmonics: None,
             energy: self.energy,
             depth: high - low,
+            threshold_rigidity: self.threshold_rigidity,
             lowest_curvature: self.lowest_curvature,
             termination: self.termination,
         }
@@ -197,7 +211,16 @@ impl Search<'_> {
         let energy = self.shell.energy(&hem).ok_or_else(|| Error::Unanswerable("the round cone has no finite energy".into()))?;
         let multiplier = energy.total().gradient[0] / TAU;
         let (gravity, energy) = (energy.gravity.value, energy.total().value);
-        Ok(State { asked: 0, hem, energy, gravity, multiplier, lowest_curvature: 0.0, termination: Termination::Round })
+        Ok(State {
+            asked: 0,
+            hem,
+            energy,
+            gravity,
+            multiplier,
+            lowest_curvature: None,
+            threshold_rigidity: None,
+            termination: Termination::Round,
+        })
     }
 
     fn solve(&mut self, folds: u32, cone: &State) -> State {
@@ -228,11 +251,14 @@ impl Search<'_> {
                 energy: energy.total().value,
                 gravity: energy.gravity.value,
                 multiplier: minimum.multiplier / problem.size,
-                lowest_curvature: minimum.lowest_curvature().unwrap_or(0.0),
+                lowest_curvature: minimum.lowest_curvature(),
+                threshold_rigidity: None,
                 termination: minimum.ending.into(),
             })
         });
-        folded.unwrap_or(State { asked: folds, ..*cone })
+        // To first order the paper's curve buckles like any other.
+        let threshold_rigidity = ruled::threshold_rigidity(self.skirt, self.weight, folds);
+        State { threshold_rigidity, ..folded.unwrap_or(State { asked: folds, ..*cone }) }
     }
 }
 

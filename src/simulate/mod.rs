@@ -1,8 +1,11 @@
 //! Forward: skirt + fabric + terms → predicted hem. Nothing here is fitted.
 
 pub mod ansatz;
+pub mod graded;
 pub mod polar;
+mod projection;
 pub mod ruled;
+mod tolerance;
 
 use serde::Serialize;
 
@@ -12,7 +15,7 @@ use crate::error::Error;
 use crate::experiment::{Fabric, Point, Skirt};
 use crate::model::hem::Hem;
 use crate::numerics::minimize::Ending;
-use crate::units::STANDARD_GRAVITY;
+use crate::units::{Metre, STANDARD_GRAVITY};
 
 /// Which fold counts to consider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -30,7 +33,14 @@ pub enum Folds {
 pub enum Fidelity {
     /// The ruled shell over the tangent-angle family with this many harmonics, 1 … [`ruled::MOST_HARMONICS`].
     Ruled { harmonics: usize },
-    /// The paper's curve in the same energy.
+    /// The graded shell: K = `harmonics` (1 … 12) by J = `modes` (2 … 24) unknowns.
+    Graded {
+        harmonics: usize,
+        modes: usize,
+        /// Shear stiffness S of the weave, N/m; 0 leaves shear free.
+        shear: f64,
+    },
+    /// The paper's curve in the energy of the ruled shell.
     Ansatz,
     /// The paper's equation (4); it has no bending, so it cannot choose the fold count.
     Polar {
@@ -46,12 +56,19 @@ pub struct Options {
     pub folds: Folds,
     /// Acceleration of free fall, m/s².
     pub gravity: f64,
+    /// Distance to which the hem must be resolved: harmonics and modes are then chosen, whatever the fidelity names.
+    pub tolerance: Option<Metre>,
 }
 
 impl Default for Options {
-    /// Eight harmonics: the hem is then right to a few hundredths of a millimetre, far inside what the theory neglects.
+    /// The ruled shell answers in milliseconds, to ten digits; the graded shell is nearer to a real skirt and takes ten times as long.
     fn default() -> Self {
-        Options { fidelity: Fidelity::Ruled { harmonics: 8 }, folds: Folds::Auto, gravity: STANDARD_GRAVITY }
+        Options {
+            fidelity: Fidelity::Ruled { harmonics: ruled::HARMONICS },
+            folds: Folds::Auto,
+            gravity: STANDARD_GRAVITY,
+            tolerance: None,
+        }
     }
 }
 
@@ -93,13 +110,17 @@ pub struct Branch {
     /// True period of the solution: a branch may slide to a subharmonic. 0: it went back to the round cone.
     pub folds: u32,
     /// Harmonics it was solved with: fold counts that one harmonic puts far above the least energy are not refined.
-    pub harmonics: usize,
-    /// J.
+    /// `None` where the family has none.
+    pub harmonics: Option<usize>,
+    /// In the unit of the prediction's energy.
     pub energy: f64,
     /// max r − min r, m.
     pub depth: f64,
+    /// Flexural rigidity above which the round cone is stable against the asked folds, N·m; `None` if it always is, or the theory has no rigidity.
+    pub threshold_rigidity: Option<f64>,
     /// Lowest eigenvalue of the energy's Hessian within the branch's own family, J; positive: stable against changes that keep its symmetry.
-    pub lowest_curvature: f64,
+    /// `None` where the theory gives an extremal, not a minimum.
+    pub lowest_curvature: Option<f64>,
     pub termination: Termination,
 }
 
@@ -129,10 +150,14 @@ pub struct Prediction {
     pub evaluations: usize,
     /// Every fold count tried, ascending.
     pub branches: Vec<Branch>,
+    /// How far the hem may be from that of infinitely many unknowns, m, by the last refinement; `None` where no tolerance was asked.
+    pub error_estimate: Option<f64>,
     /// What a reader should know before using the numbers: limits of the theory that this scene meets.
     pub notes: Vec<String>,
-    /// p, q, s of the paper's curve, where the fidelity speaks in them.
+    /// p, q, s of the paper's curve: the solution of the ansatz; of other fidelities the nearest curve to the hem.
     pub hem: Option<Hem>,
+    /// Root mean square orthogonal distance of the hem from that curve, m; 0 for the ansatz.
+    pub hem_rms: Option<f64>,
     /// The Lagrange multiplier of the hem's length, where the fidelity has one.
     pub multiplier: Option<Multiplier>,
     /// Turning points of the paper's equation (4).
@@ -165,17 +190,27 @@ impl Prediction {
 /// [`Error::Invalid`] if the cloth data or an option is zero, negative or not finite; [`Error::Unanswerable`] if the cloth data are missing or
 /// the theory does not apply: a cone of base angle 0 (a drape tester) has no straight generatrices to hang from.
 pub fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
+    let Some(tolerance) = options.tolerance else { return predict_once(skirt, fabric, options) };
+    tolerance::predict(skirt, fabric, options, tolerance.0)
+}
+
+fn predict_once(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
     let cloth = Cloth::of(fabric, options.gravity)?;
     if let Folds::Exactly(folds) = options.folds
         && !(2..=ruled::MOST_FOLDS).contains(&folds)
     {
         return Err(Error::Invalid { quantity: "fold count", value: f64::from(folds), allowed: "2 to 512" });
     }
-    match options.fidelity {
+    let mut prediction = match options.fidelity {
         Fidelity::Ruled { harmonics } => ruled::predict(skirt, &cloth, options.folds, harmonics),
+        Fidelity::Graded { harmonics, modes, shear } => graded::predict(skirt, &cloth, options.folds, harmonics, modes, shear),
         Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds),
         Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds),
+    }?;
+    if prediction.hem.is_none() && prediction.folds != 0 {
+        (prediction.hem, prediction.hem_rms) = projection::onto_paper_curve(&prediction.outline, prediction.folds).unzip();
     }
+    Ok(prediction)
 }
 
 /// Cloth in a field of gravity, checked: weight per area ρ_A g (N/m²) and flexural rigidity B (N·m), both positive.

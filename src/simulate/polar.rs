@@ -69,10 +69,11 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
     let branch = Branch {
         asked: m,
         folds: m,
-        harmonics: 0,
+        harmonics: None,
         energy,
         depth: turning.outer - turning.inner,
-        lowest_curvature: 0.0,
+        threshold_rigidity: None,
+        lowest_curvature: None,
         termination: Termination::Converged,
     };
     Ok(Prediction {
@@ -90,15 +91,26 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
         branches: vec![branch],
         notes,
         hem: None,
+        hem_rms: None,
         multiplier: Some(Multiplier { value: turning.lambda, unit: "N/m²" }),
         turning: Some(turning),
+        error_estimate: None,
     })
 }
 
 fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> Prediction {
     let radius = skirt.hem_radius().0;
     let energy = TAU * equation.density(radius);
-    let branch = Branch { asked, folds: 0, harmonics: 0, energy, depth: 0.0, lowest_curvature: 0.0, termination: Termination::Round };
+    let branch = Branch {
+        asked,
+        folds: 0,
+        harmonics: None,
+        energy,
+        depth: 0.0,
+        threshold_rigidity: None,
+        lowest_curvature: None,
+        termination: Termination::Round,
+    };
     Prediction {
         fidelity: "polar".into(),
         folds: 0,
@@ -114,8 +126,10 @@ fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> 
         branches: vec![branch],
         notes,
         hem: None,
+        hem_rms: None,
         multiplier: None,
         turning: None,
+        error_estimate: None,
     }
 }
 

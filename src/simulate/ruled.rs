@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{Branch, Cloth, Folds, Prediction, TermEnergy, Termination};
+use super::{Branch, Cloth, Folds, Multiplier, Prediction, TermEnergy, Termination};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
@@ -10,12 +10,14 @@ use crate::model::energy::gravity::Gravity;
 use crate::model::tangent::{RuledShell, TangentHem, half_nodes};
 use crate::numerics::minimize::{Minimum, Options, minimize};
 
+/// Harmonics unless told otherwise: the hem is then right to a few hundredths of a millimetre, far inside what the theory neglects.
+pub const HARMONICS: usize = 8;
 /// Most harmonics that are offered: beyond a dozen a smooth hem gains nothing, a nearly creased one is outside the theory.
 pub const MOST_HARMONICS: usize = 32;
 /// Most folds that are searched: finer folds than these are narrower than cloth is thick.
 pub const MOST_FOLDS: u32 = 512;
 /// Points of a predicted outline, about: a fifth of a degree of cloth.
-const OUTLINE: usize = 720;
+pub(super) const OUTLINE: usize = 720;
 /// Nodes are doubled until the energy holds to this, relative.
 const QUADRATURE: f64 = 1e-11;
 /// A branch that gains less than this over the round cone, relative, is the round cone.
@@ -71,8 +73,10 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             branches: tried,
             notes,
             hem: None,
+            hem_rms: None,
             multiplier: None,
             turning: None,
+            error_estimate: None,
         });
     }
     if !search.verify(&mut best) {
@@ -96,8 +100,10 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         branches: tried,
         notes,
         hem: None,
-        multiplier: None,
+        hem_rms: None,
+        multiplier: best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" }),
         turning: None,
+        error_estimate: None,
     })
 }
 
@@ -192,7 +198,7 @@ fn canonical(a: &DVector<f64>, step: u32) -> DVector<f64> {
 }
 
 /// Greatest common divisor of the indices of coefficients that matter: the number of true folds per asked fold.
-fn period(a: &DVector<f64>) -> u32 {
+pub(super) fn period(a: &DVector<f64>) -> u32 {
     let largest = a.amax();
     let gcd = |mut a: u32, mut b: u32| {
         while b != 0 {
@@ -265,10 +271,20 @@ impl Search<'_> {
 
     fn describe(&self, shell: &RuledShell, minimum: &mut Minimum, round: f64) -> Branch {
         let asked = shell.folds();
-        let lowest_curvature = minimum.lowest_curvature();
-        let harmonics = minimum.x.len();
+        let lowest_curvature = Some(minimum.lowest_curvature());
+        let harmonics = Some(minimum.x.len());
+        let threshold_rigidity = threshold_rigidity(self.skirt, self.cloth.weight(), asked);
         if round - minimum.at.value <= ROUNDING * round {
-            return Branch { asked, folds: 0, harmonics, energy: round, depth: 0.0, lowest_curvature, termination: Termination::Round };
+            return Branch {
+                asked,
+                folds: 0,
+                harmonics,
+                energy: round,
+                depth: 0.0,
+                threshold_rigidity,
+                lowest_curvature,
+                termination: Termination::Round,
+            };
         }
         let step = period(&minimum.x);
         if step == 1 {
@@ -281,6 +297,7 @@ impl Search<'_> {
             harmonics,
             energy: minimum.at.value,
             depth: high - low,
+            threshold_rigidity,
             lowest_curvature,
             termination: minimum.ending.into(),
         }

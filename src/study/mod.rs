@@ -6,5 +6,7 @@ pub mod campaign;
 pub mod check;
 pub mod comparison;
 pub mod further;
+pub mod fidelities;
 pub mod overview;
+pub mod paper;
 pub mod response;

@@ -1,0 +1,126 @@
+//! Tables and text of the paper's check: what is printed beside what is computed.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::csv::Table;
+use super::output;
+use crate::error::Error;
+use crate::study::paper::PaperCheck;
+
+/// Writes `paper.txt`, `table1.csv`, `equations.csv`, `folds.csv` and `paper.json` into `folder`; the paths, in that order.
+///
+/// # Errors
+/// [`Error::File`] if the folder cannot be written.
+pub fn write(check: &PaperCheck, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut summary = format!("{:#}", json(check));
+    summary.push('\n');
+    [
+        ("paper.txt", text(check).into_bytes()),
+        ("table1.csv", table_one(check).bytes()),
+        ("equations.csv", equations(check).bytes()),
+        ("folds.csv", folds(check).bytes()),
+        ("paper.json", summary.into_bytes()),
+    ]
+    .iter()
+    .map(|(name, bytes)| output::write(folder, name, bytes))
+    .collect()
+}
+
+/// The whole check in plain words, lengths in cm as the paper has them.
+pub fn text(check: &PaperCheck) -> String {
+    let mut out = format!("{:<22}{:>10}{:>12}  \n", "Table 1", "printed", "computed");
+    for row in &check.table {
+        let (printed, computed, unit, digits) = natural(row.unit, row.printed, row.computed);
+        let verdict = if row.agrees() { "" } else { "  differs" };
+        out += &format!("{:<22}{printed:>10.digits$}{computed:>12.3} {unit}{verdict}\n", row.quantity);
+    }
+    let (delta, thin) = check.thinness;
+    let verdict = if thin { "below 1/20: a thin shell" } else { "not below 1/20: no thin shell" };
+    out += &format!("\nThin-shell test (1): δ = {delta:.5}, {verdict}.\n\n");
+    for finding in &check.findings {
+        out += &format!("- {finding}\n");
+    }
+    out
+}
+
+/// Printed and computed value in the paper's own unit, its name, and the digits that are printed.
+fn natural(unit: &str, printed: f64, computed: f64) -> (f64, f64, &'static str, usize) {
+    use crate::units::CENTIMETRE;
+    if unit == "m" { (printed / CENTIMETRE, computed / CENTIMETRE, "cm", 2) } else { (printed, computed, "rad", 2) }
+}
+
+/// `table1.csv`: SI units.
+fn table_one(check: &PaperCheck) -> Table {
+    let mut table = Table::new(&["quantity", "unit", "printed", "computed", "agrees"]);
+    for row in &check.table {
+        table.push(vec![row.quantity.into(), row.unit.into(), row.printed.into(), row.computed.into(), row.agrees().into()]);
+    }
+    table
+}
+
+/// `equations.csv`: how far equations (15) to (17) hold along the approximate solution.
+fn equations(check: &PaperCheck) -> Table {
+    let mut table = Table::new(&["equation", "lambda_n_m2", "constant_n_m", "unexplained_share_of_spread"]);
+    if let Some(e) = &check.equations {
+        for (name, fit) in [("15", &e.fifteen), ("16", &e.sixteen), ("15 + 16", &e.sum)] {
+            table.push(vec![name.into(), fit.lambda.into(), fit.constant.into(), fit.residual.into()]);
+        }
+        table.push(vec!["17, second line".into(), None::<f64>.into(), None::<f64>.into(), e.difference.into()]);
+    }
+    table
+}
+
+/// `folds.csv`: the functional (10) and equation (4), fold count by fold count.
+fn folds(check: &PaperCheck) -> Table {
+    let mut table = Table::new(&["m", "functional_n_m", "lambda_n_m2", "onset_radius_m", "limit_radius_m"]);
+    for row in &check.folds {
+        table.push(vec![row.folds.into(), row.functional.into(), row.lambda.into(), row.onset.into(), row.limit.into()]);
+    }
+    table
+}
+
+/// Everything, SI units.
+pub fn json(check: &PaperCheck) -> Value {
+    let fit =
+        |f: &crate::model::functional::EquationFit| json!({"lambda_n_m2": f.lambda, "constant_n_m": f.constant, "unexplained": f.residual});
+    json!({
+        "table1": check.table,
+        "thin_shell": {"delta": check.thinness.0, "holds": check.thinness.1},
+        "hem": {"folds": check.hem.folds, "p_m": check.hem.p, "q_m": check.hem.q, "s_m": check.hem.s},
+        "equations": check.equations.as_ref().map(|e| json!({
+            "15": fit(&e.fifteen), "16": fit(&e.sixteen), "sum": fit(&e.sum), "17_second_line_variation": e.difference,
+        })),
+        "folds": check.folds,
+        "findings": check.findings,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Fabric;
+    use crate::simulate::Cloth;
+    use crate::study::paper;
+    use crate::units::{KilogramPerSquareMetre, NewtonMetre, STANDARD_GRAVITY};
+
+    #[test]
+    fn printed_stands_beside_computed_in_every_form() {
+        let fabric = Fabric { areal_density: Some(KilogramPerSquareMetre(0.2)), flexural_rigidity: Some(NewtonMetre(1e-5)) };
+        let check = paper::check(&Cloth::of(&fabric, STANDARD_GRAVITY).unwrap(), 0.0).unwrap();
+        let words = text(&check);
+        assert!(
+            words.contains("23.62") && words.contains("1.37 ") && words.contains("thin shell") && !words.contains("differs"),
+            "{words}"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let written = write(&check, folder.path()).unwrap();
+        let read = |i: usize| std::fs::read_to_string(&written[i]).unwrap();
+        assert_eq!(read(1).lines().count(), 1 + 7);
+        assert_eq!(read(2).lines().count(), 1 + 4);
+        assert_eq!(read(3).lines().count(), 1 + 11);
+        let value: Value = serde_json::from_str(&read(4)).unwrap();
+        assert_eq!(value["hem"]["folds"], 5);
+    }
+}
