@@ -187,6 +187,15 @@ const ANALYSIS: &str = r#"
 # foundation_modulus_n_m3 = 0   # E of the functional
 # block = "day"                 # the column of design.csv that says what was done together (day, operator, bolt of cloth …); none unless told
 
+# What is wanted of several responses together, in the unit of their columns: the best setting of the factors is in desirability.csv.
+# [[wishes]]
+# response = "fold_depth"
+# larger = { worthless = 40, perfect = 120 }      # or smaller = { perfect = …, worthless = … }
+# [[wishes]]
+# response = "m"
+# target = { low = 4, target = 6, high = 8 }
+# importance = 2                                  # 1 unless told
+
 [profiles]
 # scale_mm_per_px = 1.383       # needed for pictures (PNG, JPEG): side of a pixel on the cloth
 # object = "auto"               # "dark", "light", or "auto": what the margin of the picture is not

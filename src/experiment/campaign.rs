@@ -81,6 +81,25 @@ pub const RESPONSES: [Response; 15] = [
     Response { name: "theory_gap", column: "theory_gap_mm" },
 ];
 
+/// What is wanted of a response, in the unit of its column; desirability is linear between worthless and perfect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Want {
+    Larger { worthless: f64, perfect: f64 },
+    Smaller { perfect: f64, worthless: f64 },
+    Target { low: f64, target: f64, high: f64 },
+}
+
+/// One wish among several that are to be met together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wish {
+    /// Name of the response.
+    pub response: String,
+    pub want: Want,
+    /// Exponent in the geometric mean of all wishes, > 0.
+    pub importance: f64,
+}
+
 /// What is regressed where a campaign does not say: p, q, s, m, λ, rms and fold depth.
 pub const USUAL_RESPONSES: [&str; 7] = ["p", "q", "s", "m", "lambda", "rms", "fold_depth"];
 
@@ -96,6 +115,8 @@ pub struct Campaign {
     pub design: Design,
     /// Names of the responses to regress, in order.
     pub responses: Vec<String>,
+    /// What is wanted of them, together; empty where nothing is.
+    pub wishes: Vec<Wish>,
     /// Significance level of every test, 0.05 unless told.
     pub alpha: f64,
     pub folds: Folds,

@@ -69,6 +69,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         folder: folder.to_path_buf(),
         design,
         responses: file.responses,
+        wishes: file.wishes,
         alpha: file.alpha,
         folds: file.folds,
         hem_length: file.hem_length,

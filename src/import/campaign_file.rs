@@ -11,9 +11,10 @@ use super::check_table::CheckTable;
 use super::delimited::one_line;
 use super::source;
 use super::table::length_unit;
+use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
-use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES};
+use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES, Wish};
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
@@ -50,6 +51,7 @@ pub(super) struct CampaignFile {
     /// The column of blocks.
     pub block: Option<String>,
     pub responses: Vec<String>,
+    pub wishes: Vec<Wish>,
     pub alpha: f64,
     pub folds: Folds,
     pub hem_length: HemLength,
@@ -74,6 +76,8 @@ struct Document {
     analysis: Analysis,
     #[serde(default)]
     profiles: Profiles,
+    #[serde(default)]
+    wishes: Vec<Spanned<WishEntry>>,
     #[serde(default)]
     check: CheckTable,
 }
@@ -228,7 +232,7 @@ impl Reader<'_> {
     }
 
     fn check(&self, document: Document, source: Source) -> Result<CampaignFile, Error> {
-        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, check } = document;
+        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, wishes: wanted, check } = document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
         {
@@ -268,6 +272,7 @@ impl Reader<'_> {
             factors: self.factors(factors)?,
             block: analysis.block,
             check: check.rules(self, alpha, &responses)?,
+            wishes: wishes(self, wanted, &responses)?,
             responses,
             alpha,
             folds,

@@ -47,7 +47,7 @@ impl CheckTable {
             None => usual.responses,
             Some(given) => {
                 let place = reader.place(&given.span());
-                given.get_ref().iter().map(|name| of(regressed, name, place.clone())).collect::<Result<_, _>>()?
+                given.get_ref().iter().map(|name| listed(regressed, name, place.clone())).collect::<Result<_, _>>()?
             }
         };
         let limit = |given: &Option<Spanned<f64>>, key: &str| -> Result<Option<f64>, Error> {
@@ -68,12 +68,12 @@ impl CheckTable {
 }
 
 /// The name under which `responses` lists `name`; the short name and the column mean the same.
-fn of(responses: &[String], name: &str, place: Place) -> Result<String, Error> {
+pub(super) fn listed(responses: &[String], name: &str, place: Place) -> Result<String, Error> {
     let same = |listed: &&String| {
         *listed == name || RESPONSES.iter().any(|r| [r.name, r.column].contains(&name) && [r.name, r.column].contains(&listed.as_str()))
     };
     let known: Vec<&str> = responses.iter().map(String::as_str).collect();
-    let missing = || unknown(place, &format!("response “{name}” is not among those that are regressed and checked"), name, &known);
+    let missing = || unknown(place, &format!("response “{name}” is not among those that are regressed"), name, &known);
     responses.iter().find(same).cloned().ok_or_else(missing)
 }
 
@@ -96,7 +96,7 @@ fn expected(reader: &Reader<'_>, entry: Spanned<ExpectedEntry>, responses: &[Str
         return Err(Error::input(place, format!("the check “{check}” is about {key}"), format!("name them: {example}")));
     }
     let subjects = match question.of_responses() {
-        true => wanted.iter().map(|name| of(responses, name, place.clone())).collect::<Result<_, _>>()?,
+        true => wanted.iter().map(|name| listed(responses, name, place.clone())).collect::<Result<_, _>>()?,
         false => wanted,
     };
     Ok(Expected { question, subjects, reason, row: place.row.unwrap_or_default() })

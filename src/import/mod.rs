@@ -12,5 +12,6 @@ pub mod numbers;
 mod quarantine;
 mod source;
 pub mod table;
+mod wishes;
 
 pub use campaign::{Imported, load};

@@ -5,7 +5,7 @@ use crate::experiment::Factor;
 use crate::statistics::box_wilson::{Analysis, Coefficient, Verdict};
 use crate::statistics::effects::Agreement;
 use crate::statistics::steepest_ascent::Goal;
-use crate::study::campaign::Regression;
+use crate::study::campaign::{CampaignStudy, Regression};
 use crate::study::further::Further;
 
 /// Those that have an analysis, with what goes beyond it.
@@ -184,6 +184,21 @@ pub fn next_runs(regressions: &[Regression], factors: &[Factor]) -> Table {
                 table.push(row);
             }
         }
+    }
+    table
+}
+
+/// `desirability.csv`: the setting that meets all wishes of the campaign best: factors in natural units, and what each response would be there.
+pub fn desirability(study: &CampaignStudy) -> Table {
+    let names = study.campaign.design.factors.iter().map(|f| f.name.as_str());
+    let columns: Vec<&str> = ["response", "predicted", "desirability", "overall"].into_iter().chain(names).collect();
+    let mut table = Table::new(&columns);
+    let Some(Ok(best)) = &study.desirable else { return table };
+    for met in &best.met {
+        let mut row: Vec<Cell> =
+            vec![met.response.as_str().into(), met.predicted.into(), met.desirability.into(), best.desirability.into()];
+        row.extend(best.natural.iter().map(|x| Cell::from(*x)));
+        table.push(row);
     }
     table
 }

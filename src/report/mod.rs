@@ -87,6 +87,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
         ("power.csv", analysis_table::power(regressions).bytes()),
         ("ascent.csv", analysis_table::ascent(regressions, factors).bytes()),
         ("next_runs.csv", analysis_table::next_runs(regressions, factors).bytes()),
+        ("desirability.csv", analysis_table::desirability(study).bytes()),
         ("theory_effects.csv", analysis_table::theory_effects(regressions).bytes()),
         ("candidates.csv", table::candidates(rows()).bytes()),
         ("predictions.csv", table::predictions(&study.runs).bytes()),

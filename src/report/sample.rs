@@ -44,6 +44,7 @@ fn analysed() -> CampaignStudy {
         folder: data(),
         design: Design { factors: factors(), runs: runs.clone() },
         responses: ["p_mm", "q_mm", "s_mm", "m", "rms_mm", "fold_depth_mm"].map(String::from).to_vec(),
+        wishes: vec![],
         alpha: 0.05,
         folds: Folds::default(),
         hem_length: HemLength::Auto,

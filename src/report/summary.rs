@@ -30,6 +30,8 @@ pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "overview": overview(&study.runs),
         "runs": study.runs.iter().map(run).collect::<Vec<_>>(),
         "regressions": study.regressions.iter().map(regression).collect::<Vec<_>>(),
+        "desirable": study.desirable.as_ref().and_then(|d| d.as_ref().ok()),
+        "desirable_missing": study.desirable.as_ref().and_then(|d| d.as_ref().err()),
         "quarantine": provenance.quarantine,
         "notes": study.notes,
     })

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::as_measured::as_measured;
 use super::comparison::{Comparison, compare};
+use super::desirable::{Desirable, desirable};
 use super::further::{self, Further, Series};
 use super::response;
 use crate::experiment::campaign::Response;
@@ -56,6 +57,8 @@ pub struct CampaignStudy {
     pub runs: Vec<RunStudy>,
     /// In the order that the campaign asks for.
     pub regressions: Vec<Regression>,
+    /// The setting that meets the campaign's wishes best, or why there is none; `None` where it wishes nothing.
+    pub desirable: Option<Result<Desirable, String>>,
     /// What was set aside on reading.
     pub quarantine: Vec<Quarantined>,
     /// What was read.
@@ -95,7 +98,8 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
         notes.push(format!("no regression: {reason}"));
     }
     let regressions = regress(&campaign, &design, &runs);
-    CampaignStudy { campaign, runs, regressions, quarantine, sources, notes }
+    let desirable = desirable(&campaign, &regressions);
+    CampaignStudy { campaign, runs, regressions, desirable, quarantine, sources, notes }
 }
 
 impl RunStudy {

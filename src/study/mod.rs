@@ -6,6 +6,7 @@ pub mod campaign;
 pub mod check;
 pub mod comparison;
 pub mod further;
+pub mod desirable;
 pub mod fidelities;
 pub mod overview;
 pub mod paper;

@@ -11,7 +11,7 @@ use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::known_errors::KnownErrorRegression;
 use crate::statistics::next_runs::{Suggestion, next_runs};
 use crate::statistics::permutation::{self, PermutationTest, permutation_tests};
-use crate::statistics::power::smallest_coefficient;
+use crate::statistics::power::{replicates_needed, smallest_coefficient};
 use crate::statistics::residuals::{Diagnostics, diagnose, without_suspects};
 use crate::statistics::steepest_ascent::{self, Goal, Path, steepest_ascent};
 use crate::statistics::sums_of_squares::{Adjustment, factorial_anova};
@@ -82,6 +82,14 @@ pub(super) struct RunUsed {
     cook_distance: Option<f64>,
 }
 
+/// Runs of each treatment that find an effect with a chance of 90 %.
+#[derive(Serialize)]
+pub(super) struct Needed {
+    /// Change of the response from the low to the high level.
+    pub(super) effect: f64,
+    pub(super) replicates: usize,
+}
+
 #[derive(Serialize)]
 pub(super) struct Document {
     pub(super) table: String,
@@ -115,6 +123,8 @@ pub(super) struct Document {
     pub(super) box_cox: Option<BoxCox>,
     /// Found with a chance of 90 %.
     pub(super) smallest_coefficient: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) replicates_needed: Option<Needed>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) permutation: Option<Vec<PermutationTest>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -187,6 +197,7 @@ impl Document {
             rows,
             box_cox: None,
             smallest_coefficient: None,
+            replicates_needed: None,
             permutation: None,
             known_errors: None,
             path: None,
@@ -223,6 +234,16 @@ impl Document {
             }
             None if analysis.error.is_none() => (),
             None => self.notes.push("The smallest effect that would be found is computed for balanced, replicated designs only.".into()),
+        }
+        if let Some(effect) = args.effect {
+            match analysis.error.filter(|error| error.source == ErrorSource::PureError) {
+                Some(error) => {
+                    let corners = 1 << design.factors().len();
+                    let replicates = replicates_needed(0.5 * effect, error.variance, corners, args.alpha, WANTED_POWER)?;
+                    self.replicates_needed = Some(Needed { effect, replicates });
+                }
+                None => self.notes.push("How many runs an effect needs is not known: no scatter of repeated runs to plan with.".into()),
+            }
         }
         if let Some(kind) = args.sums_of_squares {
             let adjustment = match kind {

@@ -43,6 +43,9 @@ pub struct Regress {
     /// Add sums of squares by this adjustment: sequential (type I), hierarchical (II) or partial (III).
     #[arg(long, value_name = "KIND")]
     pub sums_of_squares: Option<Kind>,
+    /// Add how many runs of each treatment would find a change this large, from low to high level, with a chance of 90 %.
+    #[arg(long, value_name = "SIZE")]
+    pub effect: Option<f64>,
     /// Add permutation p-values, for responses that are not normal (a fold count, say).
     #[arg(long)]
     pub permutation: bool,
@@ -231,6 +234,7 @@ mod tests {
             se: None,
             alpha: 0.05,
             sums_of_squares: None,
+            effect: None,
             permutation: false,
             next: None,
             json: true,
@@ -296,6 +300,20 @@ mod tests {
         // The scatter (variances 0.02 and 0.08) is below the errors' 0.25: none is left between runs, and se = 0.5/√4.
         assert_eq!(known.between_runs, 0.0);
         assert!((known.coefficients[1].estimate - 0.55).abs() < 1e-14 && (known.coefficients[1].se - 0.25).abs() < 1e-14);
+    }
+
+    #[test]
+    fn an_effect_asked_for_gets_its_replicates() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = folder.path().join("t.csv");
+        std::fs::write(&table, "a,y\n-1,2\n1,6\n-1,3\n1,7\n").unwrap();
+        let of = |effect: f64| {
+            regress(&Regress { effect: Some(effect), ..arguments(table.clone(), &["a"]) }).map(|d| d.replicates_needed.unwrap())
+        };
+        // The smallest effect that two replicates find is twice the smallest coefficient; a little less needs a third.
+        let smallest = regress(&arguments(table.clone(), &["a"])).unwrap().smallest_coefficient.unwrap();
+        assert_eq!((of(2.001 * smallest).unwrap().replicates, of(1.999 * smallest).unwrap().replicates), (2, 3));
+        assert!(of(0.0).err().unwrap().to_string().contains("coefficient to find is 0"));
     }
 
     #[test]

@@ -98,6 +98,13 @@ fn further(document: &Document, lines: &mut Vec<String>) {
     if let Some(smallest) = document.smallest_coefficient {
         lines.push(format!("Smallest coefficient found with a chance of {}%: {}", 100.0 * WANTED_POWER, short(Some(smallest))));
     }
+    if let Some(needed) = &document.replicates_needed {
+        let chance = 100.0 * WANTED_POWER;
+        lines.push(format!(
+            "An effect of {} needs {} runs of each treatment to be found with a chance of {chance}%",
+            needed.effect, needed.replicates
+        ));
+    }
     for test in document.permutation.iter().flatten() {
         let how = test.p_standard_error.map_or("all arrangements".into(), |se| format!("± {se:.4}, drawn at random"));
         lines.push(format!("Permutation p of {}: {} ({how})", test.term, probability(test.p)));

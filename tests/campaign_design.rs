@@ -1,4 +1,4 @@
-//! Centre points and blocks of a campaign, from design.csv to regression.csv.
+//! Centre points, blocks and wishes of a campaign, from its folder to the tables of the report.
 
 use std::fs;
 use std::path::Path;
@@ -8,14 +8,14 @@ use hemline::model::hem::{Hem, Placement};
 use hemline::units::MILLIMETRE;
 use tempfile::TempDir;
 
-/// Levels of a and b in natural units, block, and p in mm; written to `folder` as a campaign.
-fn campaign(rows: &[(f64, f64, &str, f64)]) -> TempDir {
+/// Levels of a and b in natural units, block, and p in mm; written as a campaign whose campaign.toml ends with `more`.
+fn campaign(rows: &[(f64, f64, &str, f64)], more: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let toml = "title = \"Trial\"\norigin = \"made by tests/centre_and_blocks.rs\"\napparatus = \"drapemeter\"\n\
+    let toml = "title = \"Trial\"\norigin = \"made by tests/campaign_design.rs\"\napparatus = \"drapemeter\"\n\
 [geometry]\nsupport_radius_cm = 9\nspecimen_radius_cm = 18\n\
 [[factors]]\nname = \"a\"\nlow = 10\nhigh = 20\nlevels = \"natural\"\n[[factors]]\nname = \"b\"\nlow = -1\nhigh = 1\n\
 [analysis]\nresponses = [\"p\"]\nfolds = 6\nhem_length = \"free\"\nblock = \"day\"\n";
-    fs::write(folder.path().join("campaign.toml"), toml).expect("written");
+    fs::write(folder.path().join("campaign.toml"), format!("{toml}{more}")).expect("written");
     let mut design = String::from("run,day,a,b,profile\n");
     for (i, (a, b, day, p)) in rows.iter().enumerate() {
         design += &format!("{},{day},{a},{b},p{i}.csv\n", i + 1);
@@ -58,7 +58,7 @@ fn rows() -> Vec<(f64, f64, &'static str, f64)> {
 
 #[test]
 fn curvature_and_blocks_are_estimated_apart_from_the_effects() {
-    let folder = campaign(&rows());
+    let folder = campaign(&rows(), "");
     let output = run(folder.path());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     // The outlines are exact, and the fit ends within 1e-6 mm.
@@ -76,7 +76,7 @@ fn curvature_and_blocks_are_estimated_apart_from_the_effects() {
 fn a_level_between_and_a_run_without_a_block_are_set_aside_with_a_reason() {
     let mut rows = rows();
     (rows[1].1, rows[2].2) = (0.0, "");
-    let folder = campaign(&rows);
+    let folder = campaign(&rows, "");
     let output = run(folder.path());
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8(output.stderr).expect("UTF-8");
@@ -86,10 +86,40 @@ fn a_level_between_and_a_run_without_a_block_are_set_aside_with_a_reason() {
 
 #[test]
 fn a_block_column_that_is_not_there_is_named() {
-    let folder = campaign(&rows());
+    let folder = campaign(&rows(), "");
     let design = fs::read_to_string(folder.path().join("design.csv")).expect("read").replace("run,day", "run,date");
     fs::write(folder.path().join("design.csv"), design).expect("written");
     let output = run(folder.path());
     let said = String::from_utf8(output.stderr).expect("UTF-8");
     assert!(output.status.code() == Some(2) && said.contains("“day” for the block"), "{said}");
+}
+
+#[test]
+fn the_setting_that_meets_a_wish_is_found() {
+    let folder = campaign(&rows(), "[[wishes]]\nresponse = \"p\"\ntarget = { low = 140, target = 154, high = 160 }\n");
+    assert!(run(folder.path()).status.success());
+    let table = fs::read_to_string(folder.path().join("report/desirability.csv")).expect("a table");
+    let cells: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
+    let [predicted, desirability, overall, a, b] = [1, 2, 3, 4, 5].map(|i| cells[i].parse::<f64>().expect("a number"));
+    // On 150 + 3 (a − 15)/5 + 2 b = 154 the wish is met; the search steps by 2⁻²⁰ of an interval.
+    assert!((predicted - 154.0).abs() < 1e-4 && (150.0 + 0.6 * (a - 15.0) + 2.0 * b - predicted).abs() < 1e-4, "{table}");
+    assert!(desirability > 0.9999 && overall == desirability);
+}
+
+#[test]
+fn a_wish_that_says_nothing_or_two_things_is_refused_with_its_row() {
+    let wish = |words: &str| format!("[[wishes]]\nresponse = \"p\"\n{words}\n");
+    let cases = [
+        (wish(""), "does not say one thing"),
+        (wish("larger = { worthless = 1, perfect = 2 }\nsmaller = { worthless = 2, perfect = 1 }"), "does not say one thing"),
+        (wish("larger = { worthless = 3, perfect = 2 }"), "out of order"),
+        (wish("target = { low = 1, target = 2, high = nan }"), "out of order"),
+        (wish("larger = { worthless = 1, perfect = 2 }\nimportance = 0"), "importance is 0"),
+        (wish("").replace("\"p\"", "\"q\""), "response “q” is not among those that are regressed"),
+    ];
+    for (words, said) in cases {
+        let folder = campaign(&rows(), &words);
+        let error = String::from_utf8(run(folder.path()).stderr).expect("UTF-8");
+        assert!(error.contains("campaign.toml, row 21: ") && error.contains(said), "{words}{error}");
+    }
 }
