@@ -263,3 +263,51 @@ fn evaluation_counts_are_as_they_were() {
     ];
     assert_eq!(counts, [20, 130, 243, 18, 124, 5, 102]);
 }
+
+#[test]
+fn every_scene_of_a_wide_sweep_has_an_ansatz_and_a_polar_answer_or_a_reason() {
+    // 40 scenes drawn as above; equation (4) at 2 to 12 folds.
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let mut uniform = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    let mut refused = Vec::new();
+    for scene in 0..40 {
+        let (waist, slant, conicity) = (uniform(0.05, 0.3), uniform(0.1, 1.0), uniform(0.0, 0.98));
+        let (density, rigidity) = (uniform(0.05, 0.5), 10_f64.powf(uniform(-7.0, -3.0)));
+        let skirt = Skirt::new(Metre(waist), Metre(waist + conicity * slant), Metre(slant)).unwrap();
+        let fabric = fabric(density, rigidity);
+        let what =
+            format!("scene {scene}: waist {waist:.3}, slant {slant:.3}, conicity {conicity:.3}, {density:.3} kg/m², {rigidity:.2e} N·m");
+        let ansatz = predict(&skirt, &fabric, &Options { fidelity: Fidelity::Ansatz, ..Options::default() }).unwrap();
+        assert!(matches!(ansatz.termination, Termination::Converged | Termination::Round), "{what}: {:?}", ansatz.termination);
+        // A Ritz family within a wider one cannot do better than it (the ruled shell at many harmonics), whatever its fold count.
+        let ruled = predict(&skirt, &fabric, &Options { fidelity: Fidelity::Ruled { harmonics: 12 }, ..Options::default() }).unwrap();
+        assert!(ruled.energy <= ansatz.energy * (1.0 + 1e-6), "{what}: {} {}", ruled.energy, ansatz.energy);
+        for m in 2..=12 {
+            let options = Options { fidelity: Fidelity::Polar { foundation: 0.0 }, folds: Folds::Exactly(m), ..Options::default() };
+            match predict(&skirt, &fabric, &options) {
+                Ok(polar) => {
+                    assert!(polar.energy.is_finite() && polar.outline.iter().all(|p| p.x.is_finite() && p.y.is_finite()), "{what}, m {m}")
+                }
+                Err(reason) => refused.push(format!("{what}, m {m}: {reason}")),
+            }
+        }
+    }
+    println!("{} of 440 polar questions refused; the first: {:?}", refused.len(), refused.first());
+    assert!(refused.iter().all(|r| r.contains("reach further than the slant")), "{refused:?}");
+}
+
+#[test]
+fn graded_prediction_scales_with_its_units() {
+    let ask = |s: f64| {
+        let skirt = Skirt::new(Metre(0.121 * s), Metre(0.2362 * s), Metre(0.53 * s)).unwrap();
+        let options = Options { fidelity: Fidelity::Graded { harmonics: 2, modes: 4, shear: 0.0 }, ..Options::default() };
+        predict(&skirt, &fabric(0.2, 1e-5 * s.powi(3)), &options).unwrap()
+    };
+    let reference = ask(1.0);
+    for s in [1e-6_f64, 1e6] {
+        let hem = ask(s);
+        assert_eq!((hem.folds, hem.evaluations), (reference.folds, reference.evaluations));
+        close(hem.energy / s.powi(3), reference.energy, 1e-11 * reference.energy, "energy");
+        close(hem.depth() / s, reference.depth(), 1e-9, "depth");
+    }
+}

@@ -1,6 +1,5 @@
 //! `hemline check`: a campaign folder → verdicts for continuous integration.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -99,7 +98,7 @@ pub fn run(args: &Check) -> Result<ExitCode, Error> {
     if args.json {
         show(&json::json(&study.campaign.title, &judgements))?;
     } else {
-        say(&text::text(&study.campaign.title, &judgements))?;
+        super::print(&text::text(&study.campaign.title, &judgements))?;
     }
     annotate(args, &annotations::annotations(&settings(args), &judgements))?;
     Ok(ExitCode::from(json::exit_code(conclusion(&judgements))))
@@ -118,15 +117,7 @@ fn write_junit(args: &Check, xml: &str) -> Result<(), Error> {
 
 fn show(value: &Value) -> Result<(), Error> {
     let text = serde_json::to_string_pretty(value).map_err(|e| Error::Output { what: "the JSON result".into(), why: e.to_string() })?;
-    say(&(text + "\n"))
-}
-
-/// On stdout; somebody who closed the pipe has read enough.
-fn say(text: &str) -> Result<(), Error> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("stdout", error)),
-        _ => Ok(()),
-    }
+    super::print(&(text + "\n"))
 }
 
 /// GitHub reads both streams; JSON has stdout for itself.
@@ -138,5 +129,5 @@ fn annotate(args: &Check, commands: &str) -> Result<(), Error> {
         eprint!("{commands}");
         return Ok(());
     }
-    say(commands)
+    super::print(commands)
 }

@@ -19,7 +19,7 @@ use crate::units::{MILLIMETRE, Metre};
 
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
 ///
-/// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile`. A picture is a silhouette, dark on
+/// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile` (or run, sample …). A picture is a silhouette, dark on
 /// light or light on dark, and needs --scale-mm-per-px.
 #[derive(Debug, Args)]
 #[command(
@@ -114,10 +114,16 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
             return Err(Error::Unanswerable(format!("{}: a silhouette needs its scale; add --scale-mm-per-px", file.display())));
         };
         let silhouette = image::outline(file, &Pictures { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
+        for note in &silhouette.notes {
+            eprintln!("note: {}: {note}", file.display());
+        }
         let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
         return Ok((vec![(name, silhouette.profile)], vec![]));
     }
     let table = table::profiles(file)?;
+    for note in &table.notes {
+        eprintln!("note: {}: {note}", file.display());
+    }
     let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
     Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
 }

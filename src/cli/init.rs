@@ -72,10 +72,14 @@ pub fn run(args: &Init) -> Result<ExitCode, Error> {
     write(&args.dir.join("design.csv"), &design_csv(args))?;
     write(&profiles.join("README.md"), PROFILES)?;
     let dir = args.dir.display();
-    println!("{dir}/campaign.toml  what was measured on what: fill in the lines marked with an arrow");
-    println!("{dir}/design.csv     {} runs in random order (seed {}): fill in what was measured on each cloth", runs(args), args.seed);
-    println!("{dir}/profiles/      one outline per run; README.md there shows the format");
-    println!("then: hemline run {dir}");
+    crate::cli::print(&format!(
+        "{dir}/campaign.toml  what was measured on what: fill in the lines marked with an arrow\n\
+         {dir}/design.csv     {} runs in random order (seed {}): fill in what was measured on each cloth\n\
+         {dir}/profiles/      one outline per run; README.md there shows the format\n\
+         then: hemline run {dir}\n",
+        runs(args),
+        args.seed
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -8,6 +8,7 @@ pub mod predict;
 pub mod regress;
 pub mod run;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -66,6 +67,15 @@ fn progress(runs: usize, message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(runs as u64).with_style(style.progress_chars("━╸ "));
     bar.set_message(message);
     bar
+}
+
+/// Writes to stdout. Somebody who closed the pipe (`hemline … | head`) has read enough: no fault.
+fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(fault) if fault.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("stdout", fault)),
+        _ => Ok(()),
+    }
 }
 
 /// `auto`, `6` or `4-9`.

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::cli::print;
 use crate::error::Error;
 use crate::experiment::Fabric;
 use crate::report;
@@ -50,9 +51,9 @@ pub fn run(args: &Paper) -> Result<ExitCode, Error> {
         report::paper::write(&check, folder)?;
     }
     if args.json {
-        println!("{:#}", report::paper::json(&check));
+        print(&format!("{:#}\n", report::paper::json(&check)))?;
     } else {
-        print!("{}", report::paper::text(&check));
+        print(&report::paper::text(&check))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
+use crate::cli::print;
 use crate::error::Error;
 use crate::experiment::{Fabric, Skirt};
 use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, graded, predict, ruled};
@@ -87,9 +88,9 @@ fn folds(text: &str) -> Result<Folds, String> {
 pub fn run(args: &Predict) -> Result<ExitCode, Error> {
     let prediction = prediction(args)?;
     if args.json {
-        println!("{}", to_json(&prediction));
+        print(&format!("{}\n", to_json(&prediction)))?;
     } else {
-        print!("{}", to_text(&prediction));
+        print(&to_text(&prediction))?;
     }
     let usable = matches!(prediction.termination, Termination::Converged | Termination::Round);
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::from(1) })

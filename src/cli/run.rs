@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::cli::print;
 use crate::error::Error;
 use crate::import;
 use crate::report::number::fixed;
@@ -74,9 +75,9 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
     bar.finish_and_clear();
     if args.json {
         let summary = args.out.join("summary.json");
-        print!("{}", std::fs::read_to_string(&summary).map_err(|source| Error::file(summary, source))?);
+        print(&std::fs::read_to_string(&summary).map_err(|source| Error::file(summary, source))?)?;
     } else {
-        print!("{}", summary(&study, &args.out, written.len()));
+        print(&summary(&study, &args.out, written.len()))?;
     }
     let whole = study.quarantine.is_empty() && study.runs.iter().all(|run| run.fit.is_ok());
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })

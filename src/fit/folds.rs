@@ -66,7 +66,11 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let outline = smooth(profile);
     let work = Work::new(points, &outline, options);
     let round = circle::fit(points);
-    let mut trials = work_through(points, &outline, options, &work, from..=to);
+    let mut trials = work_through(&work, SCREENING_POINTS, from..=to);
+    if !trials.iter().any(Trial::sane) {
+        // What was sane on fewer points is not on all of them, and others were not pursued for its sake: once more, with all.
+        trials = work_through(&work, points.len(), from..=to);
+    }
     if let Folds::Among { .. } = options.folds {
         trials.insert(0, Trial::round(&round, points, &outline));
     }
@@ -82,13 +86,13 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     Ok(outcome(best, candidates, &round, &outline, evaluations, notes))
 }
 
-/// Every fold count tried, ascending.
-fn work_through(points: &[Point], outline: &Outline, options: &Options, work: &Work, folds: std::ops::RangeInclusive<u32>) -> Vec<Trial> {
-    let stride = points.len() / SCREENING_POINTS.max(8 * *folds.end() as usize);
-    let fewer: Vec<Point> = points.iter().copied().step_by(stride.max(1)).collect();
-    let screening = Work::new(&fewer, outline, options);
+/// Every fold count tried, ascending: on about `enough` points, the best of them then on all.
+fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>) -> Vec<Trial> {
+    let stride = work.points.len() / enough.max(8 * *folds.end() as usize);
+    let fewer: Vec<Point> = work.points.iter().copied().step_by(stride.max(1)).collect();
+    let screening = Work::new(&fewer, work.outline, work.options);
     // The nearest match first: what it reaches tells which of the others can still compete.
-    let mut starts: Vec<Start> = folds.map(|m| matched(outline, m)).collect();
+    let mut starts: Vec<Start> = folds.map(|m| matched(work.outline, m)).collect();
     starts.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     let mut trials: Vec<Trial> = Vec::with_capacity(starts.len() + 1);
     let mut reached = Reached::nothing();
@@ -113,7 +117,7 @@ fn work_through(points: &[Point], outline: &Outline, options: &Options, work: &W
         reached.note(&trial, &screening);
         trials.push(trial);
     }
-    if fewer.len() < points.len() {
+    if fewer.len() < work.points.len() {
         let least = |measure: &dyn Fn(&Trial) -> f64| trials.iter().filter(|t| t.sane()).map(measure).fold(f64::INFINITY, f64::min);
         let (near, matched) = (CONTENDER * least(&|t| t.rms()), CONTENDER * least(&|t| screening.apart(t)));
         trials = trials

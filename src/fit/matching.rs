@@ -89,7 +89,8 @@ fn simple(best: Matched, outline: &Outline, samples: &[Point], offset: f64, leng
         let middle = 0.5 * (low + high);
         if tangled(&leaning(middle)) { high = middle } else { low = middle }
     }
-    let hem = leaning(low);
+    // Not the last curve that does not cross: folds that touch are no better.
+    let hem = leaning(0.9 * low);
     let (pairs, _) = warp(samples, &hem, &best.placement, offset, None);
     let rms = rms(&pairs, samples, &hem, &best.placement);
     Matched { hem, placement: best.placement, parameters: parameters(&pairs, samples.len()), rms }

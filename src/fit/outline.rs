@@ -121,9 +121,10 @@ pub fn crossings(points: &[Point]) -> usize {
 
 /// How often the hem curve crosses itself; an upper bound, because a crossing of two folds is counted from both.
 pub fn hem_crossings(hem: &Hem) -> usize {
-    const NODES: usize = 48;
+    // A crossing smaller than a hundredth of a fold is not seen.
+    const NODES: usize = 128;
     let folds = hem.folds.max(1) as usize;
-    // All folds are alike: the sides of one are held against all. An outline of few folds gets the nodes of six.
+    // All folds are alike: the sides of one are held against all. A hem of few folds gets the nodes of six.
     let nodes = NODES * 6_usize.div_ceil(folds);
     let points = hem.outline(&Placement::ORIGIN, nodes * folds);
     crossings_of(&points, nodes) * folds

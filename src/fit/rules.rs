@@ -43,6 +43,10 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
     {
         return Some(Rule::Length);
     }
+    // A hem goes round its waist: a curve whose valleys reach the centre winds round it more than once.
+    if hem.p <= hem.q.abs() {
+        return Some(Rule::Simplicity);
+    }
     let perimeter = hem.perimeter();
     // A curve as near to the points as the freest smooth one cannot have got there by filling space; noise blurs the outline's length.
     let slack = if evidence.rms <= 1.5 * evidence.outline.noise { NOISY_LENGTH_SLACK } else { LENGTH_SLACK };

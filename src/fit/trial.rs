@@ -144,11 +144,11 @@ impl Reached {
 
 /// What every fold count of one outline is tried with.
 pub(super) struct Work<'a> {
-    points: &'a [Point],
+    pub points: &'a [Point],
     /// Fraction of the polygon's length at which each point lies.
     fractions: Vec<f64>,
-    outline: &'a Outline,
-    options: &'a Options,
+    pub outline: &'a Outline,
+    pub options: &'a Options,
 }
 
 impl<'a> Work<'a> {

@@ -33,7 +33,11 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// Reads a table of profiles: columns `x_cm` and `y_cm` (or mm, m, in; also `x [cm]`, `x, mm`, `X (m)`), optionally `profile`.
+/// What laboratories call the column that says which profile a point belongs to; the first that is there counts.
+const PROFILE_COLUMNS: [&str; 7] = ["profile", "outline", "run", "specimen", "sample", "name", "id"];
+
+/// Reads a table of profiles: columns `x_cm` and `y_cm` (or mm, m, in; also `x [cm]`, `x, mm`, `X (m)`), optionally `profile` (or `outline`, `run`,
+/// `specimen`, `sample`, `name`, `id`).
 ///
 /// Separated by comma, semicolon or tab; decimal point or comma. Rows with a fault are set aside; a profile goes on as long as enough points
 /// remain. Other columns are left alone.
@@ -228,7 +232,8 @@ impl Coordinates {
             let problem = format!("mixed units: column “{}” is in {x_unit}, column “{}” in {y_unit}", header[*x], header[*y]);
             return Err(refuse(problem, "give both coordinates in one unit"));
         }
-        let profile = header.iter().position(|name| name.eq_ignore_ascii_case("profile"));
+        let named = |word: &str| header.iter().position(|name| name.trim().eq_ignore_ascii_case(word));
+        let profile = PROFILE_COLUMNS.iter().find_map(|word| named(word));
         Ok(Coordinates {
             x: *x,
             y: *y,

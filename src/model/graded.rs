@@ -11,53 +11,12 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
+pub use super::height::HeightBasis;
 use super::tangent::kernel;
 use crate::experiment::Skirt;
 use crate::numerics::dual::Dual;
 use crate::numerics::minimize::{Expansion, Smooth};
 use crate::numerics::quadrature::{gauss_legendre, running_integral};
-
-/// Functions of height in which the coefficients a_k(u) are expanded: `a_k = s(u) Σ_j α_kj T_j(2s − 1)`, s(0) = 0, s(1) = 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum HeightBasis {
-    /// s = u. Converges slowly: below the waist inextensible rings make a_k grow like √u.
-    Polynomial,
-    /// `s ∝ √(u + width) − √width`: the root away from the waist, regular through a layer of this width (a fraction of the slant).
-    Layer { width: f64 },
-}
-
-impl HeightBasis {
-    /// u(s) with its first and second derivative.
-    fn height(&self, s: f64) -> (f64, f64, f64) {
-        match *self {
-            HeightBasis::Polynomial => (s, 1.0, 0.0),
-            HeightBasis::Layer { width } => {
-                let root = width.sqrt();
-                let span = (1.0 + width).sqrt() - root;
-                let t = span * s;
-                (t * (t + 2.0 * root), 2.0 * span * (t + root), 2.0 * span * span)
-            }
-        }
-    }
-
-    /// s(1 − …) T_j(2s − 1) for j < count: value and two derivatives by ℓ = uL, at s.
-    fn functions(&self, s: f64, count: usize, slant: f64) -> Vec<[f64; 3]> {
-        let (_, u1, u2) = self.height(s);
-        let x = 2.0 * s - 1.0;
-        // Chebyshev recurrence with derivatives by x.
-        let mut table = vec![[1.0, 0.0, 0.0], [x, 1.0, 0.0]];
-        for j in 2..count {
-            let (a, b) = (table[j - 1], table[j - 2]);
-            table.push([2.0 * x * a[0] - b[0], 2.0 * a[0] + 2.0 * x * a[1] - b[1], 4.0 * a[1] + 2.0 * x * a[2] - b[2]]);
-        }
-        let convert = |[t, t1, t2]: [f64; 3]| {
-            let (by_s, by_ss) = (t + 2.0 * s * t1, 4.0 * t1 + 4.0 * s * t2);
-            let (first, second) = (by_s / u1, (by_ss - by_s * u2 / u1) / (u1 * u1));
-            [s * t, first / slant, second / (slant * slant)]
-        };
-        table.into_iter().take(count).map(convert).collect()
-    }
-}
 
 /// Material and size of the discretization.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,6 +4,7 @@ pub mod ansatz;
 pub mod energy;
 pub mod functional;
 pub mod graded;
+pub mod height;
 pub mod hem;
 pub mod skirt;
 pub mod tangent;

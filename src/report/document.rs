@@ -1,5 +1,6 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
+mod beyond;
 mod regression;
 mod runs;
 mod story;
@@ -52,7 +53,9 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "summary": story::summary(study, provenance),
         "multiples": gallery.keys().filter(|stem| stem.starts_with("all_runs_")).collect::<Vec<_>>(),
         "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
+        "beyond": beyond::chapter(study),
         "theory": theory::chapter(study),
+        "theory-effects": beyond::theory(study),
         "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),
         "fits": study.runs.iter().map(runs::row).collect::<Vec<_>>(),
         "lambda-name": if runs::has_cloth(study) { "λ, N/m²" } else { "λ/(ρg)" },

@@ -87,9 +87,9 @@ pub fn run(args: &Regress) -> Result<ExitCode, Error> {
     if args.json {
         let text = serde_json::to_string_pretty(&document)
             .map_err(|why| Error::Output { what: "the JSON result".into(), why: why.to_string() })?;
-        println!("{text}");
+        crate::cli::print(&format!("{text}\n"))?;
     } else {
-        print!("{}", text::text_of(&document));
+        crate::cli::print(&text::text_of(&document))?;
     }
     Ok(if document.set_aside.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
