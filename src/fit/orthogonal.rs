@@ -59,6 +59,9 @@ pub fn fit(
         iterate: (hem, placement),
     };
     let mut evaluations = 0;
+    // A distance is the difference of coordinates of this size.
+    let size = points.iter().map(|p| p.x.abs().max(p.y.abs())).fold(hem.p.abs(), f64::max);
+    let options = &Options { residual_rounding: 4.0 * f64::EPSILON * size, ..*options };
     // Feet that move between rounds lower the sum of squares, so this ends; in practice after one round, rarely three.
     for _ in 0..5 {
         let summary = least_squares::solve(&mut problem, &unknowns, options)?;

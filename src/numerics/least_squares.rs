@@ -40,13 +40,16 @@ pub struct Options {
     pub step_tolerance: f64,
     /// Evaluations of the residual vector.
     pub evaluation_limit: usize,
+    /// Absolute rounding error of one residual, where it is known; 0 leaves relative rounding only. A gradient or a decrease below what this
+    /// makes of it is noise.
+    pub residual_rounding: f64,
     /// First damping relative to the unit columns: 1e-3 trusts the start moderately.
     pub initial_damping: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { gradient_tolerance: 1e-10, step_tolerance: 1e-13, evaluation_limit: 200, initial_damping: 1e-3 }
+        Options { gradient_tolerance: 1e-10, step_tolerance: 1e-13, evaluation_limit: 200, residual_rounding: 0.0, initial_damping: 1e-3 }
     }
 }
 
@@ -178,7 +181,8 @@ pub fn solve(problem: &mut impl Problem, start: &[f64], options: &Options) -> Re
         if feasible && exact {
             break Termination::Exact;
         }
-        if feasible && free_gradient.amax() <= options.gradient_tolerance * residual_norm {
+        // Columns are of unit length, so the gradient is as noisy as one residual.
+        if feasible && free_gradient.amax() <= options.gradient_tolerance * residual_norm + 8.0 * options.residual_rounding {
             break Termination::Gradient;
         }
 
@@ -216,7 +220,7 @@ pub fn solve(problem: &mut impl Problem, start: &[f64], options: &Options) -> Re
             let actual = merit - trial_merit;
             let relative_step = step.norm() / size.max(f64::MIN_POSITIVE);
             // Near the minimum the decrease drowns in rounding: there a step that does not visibly increase the merit is taken.
-            let rounding = 4.0 * f64::EPSILON * merit.abs();
+            let rounding = 4.0 * f64::EPSILON * merit.abs() + options.residual_rounding * residual_norm * (rows as f64).sqrt();
             let good = defined
                 && trial_merit.is_finite()
                 && (0.0 < actual || actual.abs() <= rounding && predicted.abs() <= rounding.max(1e-12 * merit));
@@ -240,7 +244,7 @@ pub fn solve(problem: &mut impl Problem, start: &[f64], options: &Options) -> Re
                 let gain = if 0.0 < predicted { actual / predicted } else { 1.0 };
                 damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
                 growth = 2.0;
-                let settled = relative_step <= options.step_tolerance || actual.abs() <= rounding && relative_step <= 1e-9;
+                let settled = relative_step <= options.step_tolerance || actual.abs() <= rounding && relative_step <= 1e-11;
                 if settled && violation(&constraint) <= 1e-9 * first_cost.max(1.0) {
                     break 'outer Termination::Step;
                 }
