@@ -11,10 +11,11 @@ use tempfile::TempDir;
 /// Levels of a and b in natural units, block, and p in mm; written as a campaign whose campaign.toml ends with `more`.
 fn campaign(rows: &[(f64, f64, &str, f64)], more: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let toml = "title = \"Trial\"\norigin = \"made by tests/campaign_design.rs\"\napparatus = \"drapemeter\"\n\
-[geometry]\nsupport_radius_cm = 9\nspecimen_radius_cm = 18\n\
+    let toml = "title = \"Trial\"\norigin = \"made by tests/campaign_design.rs\"\napparatus = \"skirt\"\n\
+[geometry]\nwaist_radius_cm = 12.1\nhem_radius_cm = 23.62\nslant_length_cm = 53\n\
+[cloth]\nareal_density_g_m2 = 200\nflexural_rigidity_un_m = 10\n\
 [[factors]]\nname = \"a\"\nlow = 10\nhigh = 20\nlevels = \"natural\"\n[[factors]]\nname = \"b\"\nlow = -1\nhigh = 1\n\
-[analysis]\nresponses = [\"p\"]\nfolds = 6\nhem_length = \"free\"\nblock = \"day\"\n";
+[analysis]\nresponses = [\"p\", \"m\", \"rms\"]\nfolds = 6\nhem_length = \"free\"\nblock = \"day\"\n";
     fs::write(folder.path().join("campaign.toml"), format!("{toml}{more}")).expect("written");
     let mut design = String::from("run,day,a,b,profile\n");
     for (i, (a, b, day, p)) in rows.iter().enumerate() {
@@ -120,6 +121,63 @@ fn a_wish_that_says_nothing_or_two_things_is_refused_with_its_row() {
     for (words, said) in cases {
         let folder = campaign(&rows(), &words);
         let error = String::from_utf8(run(folder.path()).stderr).expect("UTF-8");
-        assert!(error.contains("campaign.toml, row 21: ") && error.contains(said), "{words}{error}");
+        assert!(error.contains("campaign.toml, row 25: ") && error.contains(said), "{words}{error}");
     }
+}
+
+#[test]
+fn theory_is_regressed_like_the_measurement_and_laid_beside_it() {
+    let folder = campaign(&rows(), "");
+    assert!(run(folder.path()).status.success());
+    let read = |name: &str| fs::read_to_string(folder.path().join("report").join(name)).expect("a table");
+    let (effects, predictions) = (read("theory_effects.csv"), read("predictions.csv"));
+    let row = |response: &str, term: &str| -> Vec<String> {
+        let row = effects.lines().find(|line| line.starts_with(&format!("{response},{term},"))).unwrap_or_else(|| panic!("{effects}"));
+        row.split(',').map(String::from).collect()
+    };
+    let number = |cells: &[String], i: usize| cells[i].parse::<f64>().unwrap_or_else(|_| panic!("{cells:?}"));
+    // All skirts are cut alike from one cloth, so theory has one hem for all: its fold count is the mean, and no factor changes anything.
+    let header: Vec<&str> = predictions.lines().next().expect("a header").split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).expect("a column");
+    let chosen = predictions.lines().find(|line| line.split(',').nth(column("chosen")) == Some("true")).expect("a chosen branch");
+    let folds: f64 = chosen.split(',').nth(column("m")).and_then(|m| m.parse().ok()).expect("a fold count");
+    assert!((number(&row("m", "1"), 5) - folds).abs() < 1e-12, "{effects}");
+    for (term, agreement) in [("a", "wrong_size"), ("b", "wrong_size"), ("a:b", "both_absent")] {
+        let cells = row("p_mm", term);
+        assert!(number(&cells, 5).abs() < 1e-9 && cells[9] == agreement, "{cells:?}");
+    }
+    // Its mean radius is that of a hem shorter in plan than 2π·236 mm, and larger than the waist.
+    assert!((121.0..236.2).contains(&number(&row("p_mm", "1"), 5)));
+    // How well a curve meets measured points is no prediction.
+    assert!(!effects.contains("\nrms_mm,"));
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).expect("JSON");
+    assert!(
+        summary["regressions"][2]["theory_missing"].as_str().expect("a reason").contains("does not predict"),
+        "{}",
+        summary["regressions"][2]
+    );
+}
+
+#[test]
+fn what_the_design_could_see_and_where_to_go_are_tables() {
+    // Without centre points and blocks: four corners, four runs of each.
+    let corners: Vec<_> = rows().into_iter().filter(|row| row.1 != 0.0).map(|(a, b, _, p)| (a, b, "Monday", p)).collect();
+    let folder = campaign(&corners, "");
+    assert!(run(folder.path()).status.success());
+    let read = |name: &str| fs::read_to_string(folder.path().join("report").join(name)).expect("a table");
+    let power = read("power.csv");
+    let done: Vec<&str> = power.lines().filter(|line| line.starts_with("p_mm,") && line.ends_with(",true")).collect();
+    assert!(matches!(&done[..], [row] if row.starts_with("p_mm,4,")), "{power}");
+    let ascent = read("ascent.csv");
+    let step = |goal: &str| -> Vec<f64> {
+        let row = ascent.lines().find(|line| line.starts_with(&format!("p_mm,{goal},4,"))).unwrap_or_else(|| panic!("{ascent}"));
+        row.split(',').skip(3).take(3).map(|cell| cell.parse().expect("a number")).collect()
+    };
+    // Four quarter steps up: a by 5 to its high level, b by 2/3; p = 150 + 3 + 4/3. Down is the mirror image.
+    let (up, down) = (step("increase"), step("decrease"));
+    assert!((up[0] - 20.0).abs() < 1e-5 && (up[1] - 2.0 / 3.0).abs() < 1e-5 && (up[2] - 154.0 - 1.0 / 3.0).abs() < 1e-4, "{up:?}");
+    assert!((down[0] - 10.0).abs() < 1e-5 && (down[2] - 145.0 - 2.0 / 3.0).abs() < 1e-4, "{down:?}");
+    assert!(read("next_runs.csv").contains("No run at the centre"));
+    assert!(read("weighted.csv").lines().any(|line| line.starts_with("p_mm,a:b,")));
+    assert!(read("diagnostics.csv").lines().nth(1).expect("a row").starts_with("p_mm,Cochran G,"));
 }

@@ -93,7 +93,7 @@ pub fn level_means(design: &FactorialDesign, response: &[Option<f64>], factors: 
 pub enum Agreement {
     /// Measured and predicted: same sign, sizes that differ by no more than chance.
     Agrees,
-    /// Same sign, but the sizes differ by more than chance.
+    /// Same sign, or no effect at all in theory, and the sizes differ by more than chance.
     WrongSize,
     /// A measured effect has the other sign in theory.
     WrongSign,
@@ -144,10 +144,12 @@ pub fn compare(
         .zip(of_difference.coefficients)
         .map(|((measured, predicted), difference)| {
             let decided = measured.t.is_some() && difference.t.is_some();
-            let same_sign = measured.estimate.signum() == predicted.estimate.signum() && predicted.estimate != 0.0;
+            // Where theory knows no such effect, only rounding is left of it, and that has no sign.
+            let none = predicted.estimate.abs() <= 1e-9 * measured.estimate.abs();
+            let other_sign = !none && measured.estimate.signum() != predicted.estimate.signum();
             let agreement = match (decided, measured.significant, difference.significant) {
                 (false, _, _) => Agreement::Undecided,
-                (_, true, _) if !same_sign => Agreement::WrongSign,
+                (_, true, _) if other_sign => Agreement::WrongSign,
                 (_, true, true) => Agreement::WrongSize,
                 (_, true, false) => Agreement::Agrees,
                 (_, false, true) => Agreement::NotMeasured,
