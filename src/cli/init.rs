@@ -193,12 +193,12 @@ const ANALYSIS: &str = r#"
 
 # What is wanted of several responses together, in the unit of their columns: the best setting of the factors is in desirability.csv.
 # [[wishes]]
-# response = "fold_depth"
-# larger = { worthless = 40, perfect = 120 }      # or smaller = { perfect = …, worthless = … }
+#   response = "fold_depth"
+#   larger = { worthless = 40, perfect = 120 }    # or smaller = { perfect = …, worthless = … }
 # [[wishes]]
-# response = "m"
-# target = { low = 4, target = 6, high = 8 }
-# importance = 2                                  # 1 unless told
+#   response = "m"
+#   target = { low = 4, target = 6, high = 8 }
+#   importance = 2                                # 1 unless told
 
 [profiles]
 # scale_mm_per_px = 1.383       # needed for pictures (PNG, JPEG): side of a pixel on the cloth
@@ -214,9 +214,9 @@ const ANALYSIS: &str = r#"
 # theory_mean_radius_mm = 10
 # theory_fold_count_off = 1
 # [[check.expected]]            # a failure that is known and accepted, with the reason
-# check = "normality"
-# responses = ["m"]             # or runs = ["17"], for checks of runs
-# reason = "the fold count is a small integer"
+#   check = "normality"
+#   responses = ["m"]           # or runs = ["17"], for checks of runs
+#   reason = "the fold count is a small integer"
 "#;
 
 const PROFILES: &str = r#"# One outline per run

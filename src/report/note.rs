@@ -7,6 +7,8 @@ use crate::units::{MILLIMETRE, PERCENT};
 
 /// Below this share of the explained departure from a circle the curve is no description of the hem.
 pub const SMALL_SHARE: f64 = 0.5;
+/// Above this share of points on the support disc's edge the outline is partly the disc's.
+const NOTABLE_SUPPORT: f64 = 0.05;
 /// Below this Akaike weight another fold count is a serious candidate.
 const UNSURE_WEIGHT: f64 = 0.9;
 
@@ -25,6 +27,12 @@ pub fn of(study: &RunStudy) -> Vec<String> {
     }
     if let (Ok(_), Some(reason)) = (&study.fit, &study.prediction_missing) {
         notes.push(format!("No prediction: {}.", reason.trim_end_matches('.')));
+    }
+    if let Some(share) = study.on_support.filter(|share| NOTABLE_SUPPORT < *share) {
+        notes.push(format!(
+            "{} % of the outline lies on the edge of the support disc: there the disc is seen, not the cloth, whose folds reach further in.",
+            fixed(share / PERCENT, 0)
+        ));
     }
     for prediction in [&study.prediction, &study.prediction_at_fitted_folds].into_iter().flatten() {
         for remark in prediction.notes.iter().map(|note| format!("Theory: {}", sentence(note))) {

@@ -11,10 +11,12 @@ use crate::experiment::campaign::Response;
 use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Skirt, Source};
 use crate::fit::lambda::{Lambda, lambda};
 use crate::fit::{self, HemFit};
+use crate::model::hem::Placement;
 use crate::simulate::{self, Prediction};
 use crate::statistics::box_wilson::{self, Analysis};
 use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::family;
+use crate::units::MILLIMETRE;
 
 /// Everything known about one run.
 #[derive(Debug, Clone)]
@@ -27,6 +29,9 @@ pub struct RunStudy {
     pub lambda: Lambda,
     /// Drape coefficient of the outline as a share, 0…1 for a hem between support and specimen edge; only on a drape tester.
     pub drape_coefficient: Option<f64>,
+    /// Share of the outline's points that lie on the support disc's edge: there the disc is seen, and the cloth hangs below it, inside. Only on
+    /// a drape tester.
+    pub on_support: Option<f64>,
     /// The hem of least energy over all fold counts.
     pub prediction: Option<Prediction>,
     /// The hem of least energy at the fitted fold count.
@@ -111,6 +116,7 @@ impl RunStudy {
             fit: Err("the profile was set aside; the quarantine says why".into()),
             lambda: Lambda::default(),
             drape_coefficient: None,
+            on_support: None,
             prediction: None,
             prediction_at_fitted_folds: None,
             prediction_missing: None,
@@ -134,6 +140,8 @@ pub(super) fn measure(campaign: &Campaign, study: &mut RunStudy, options: &fit::
     study.drape_coefficient =
         run.skirt.as_ref().filter(|_| campaign.apparatus == Apparatus::Drapemeter).map(|s| drape_coefficient(s, profile.points()));
     let Ok(fitted) = &study.fit else { return };
+    let tester = run.skirt.as_ref().filter(|_| campaign.apparatus == Apparatus::Drapemeter);
+    study.on_support = tester.map(|tester| on_support(tester, profile.points(), &fitted.placement));
     if fitted.folds.is_some() {
         study.lambda =
             lambda(&fitted.hem, fitted.covariance.as_ref(), run.skirt.as_ref(), &run.fabric, campaign.gravity, campaign.foundation_modulus);
@@ -175,6 +183,16 @@ fn drape_coefficient(tester: &Skirt, outline: &[Point]) -> f64 {
     let (support, specimen) = (disc(tester.waist_radius().0), disc(tester.hem_radius().0));
     (area - support) / (specimen - support)
 }
+
+/// Share of the outline's points that are no further from the centre than the support disc's edge and [`EDGE`].
+fn on_support(tester: &Skirt, outline: &[Point], centre: &Placement) -> f64 {
+    let edge = tester.waist_radius().0 + EDGE;
+    let inside = outline.iter().filter(|p| (p.x - centre.x0).hypot(p.y - centre.y0) <= edge).count();
+    inside as f64 / outline.len() as f64
+}
+
+/// A pixel or two of a photograph, and what the centre may be off: 2 mm.
+const EDGE: f64 = 2.0 * MILLIMETRE;
 
 fn factorial(campaign: &Campaign) -> Result<FactorialDesign, String> {
     let design = &campaign.design;

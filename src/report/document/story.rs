@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::regression::term;
 use super::theory;
 use crate::experiment::Apparatus;
+use crate::fit::Termination;
 use crate::report::note::SMALL_SHARE;
 use crate::report::number::{fixed, to_error, with_error};
 use crate::report::{Provenance, words};
@@ -131,6 +132,13 @@ fn cautions(study: &CampaignStudy, provenance: &Provenance, seen: &Overview) -> 
     let irregular = list(&|r| r.fit.as_ref().is_ok_and(|f| f.folds.is_some() && f.explained < SMALL_SHARE));
     if !irregular.is_empty() {
         said.push(format!("Irregular folds, of which the curve explains less than half: {}.", named(&irregular)));
+    }
+    let in_order = list(&|r| r.fit.as_ref().is_ok_and(|f| matches!(f.termination, Termination::InOrder { .. })));
+    if !in_order.is_empty() {
+        said.push(format!(
+            "Matched in order at the hem's length, because even at that length the orthogonal optimum was no sane curve; no standard errors: {}.",
+            named(&in_order)
+        ));
     }
     if 0 < seen.held {
         let held = list(&|r| r.fit.as_ref().is_ok_and(|f| f.held.is_some()));
