@@ -245,7 +245,7 @@ mod campaigns {
     #[test]
     fn a_level_that_is_none_sets_its_run_aside() {
         for (value, parts) in [
-            ("0", ["no level", "−1 or 1"]),
+            ("0.5", ["no level", "−1 or 1, or 0"]),
             ("", ["is empty", "set aside"]),
             ("high", ["not a number", "set aside"]),
             ("20", ["natural level", "levels = \"natural\""]),
@@ -256,6 +256,22 @@ mod campaigns {
             all_in(&fault, &parts);
             assert_eq!(usable(&imported), ["1", "2", "3", "4", "5", "7", "8"]);
         }
+    }
+
+    #[test]
+    fn zero_in_all_factors_is_a_centre_point_and_in_some_a_fault() {
+        let centred = |from: &'static str, to: &'static str| {
+            load(&campaign(move |_, design| {
+                assert!(design.contains(from), "{design}");
+                *design = design.replace(from, to);
+            }))
+        };
+        let imported = centred("\n6,2,1,-1,", "\n6,2,0,0,");
+        assert!(imported.quarantine.is_empty(), "{:?}", imported.quarantine);
+        assert_eq!(imported.campaign.design.runs[5].levels, [0.0, 0.0]);
+        let imported = centred("\n6,2,1,-1,", "\n6,2,0,-1,");
+        all_in(&only_fault(&imported), &["run 6", "row 7", "0, -1", "at the centre in some factors", "correct the levels"]);
+        assert_eq!(usable(&imported), ["1", "2", "3", "4", "5", "7", "8"]);
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub struct Check {
 /// Reads, analyses, judges; prints the verdicts on stdout and what was set aside on stderr.
 ///
 /// # Errors
-/// Those of [`import::load`], and [`Error::File`] where a result cannot be written. JUnit and JSON then say so too.
+/// Those of [`import::load`] (JUnit and JSON then say so too), and [`Error::File`] where a result cannot be written.
 pub fn run(args: &Check) -> Result<ExitCode, Error> {
     let imported = match import::load(&args.campaign) {
         Ok(imported) => imported,
@@ -88,6 +88,9 @@ pub fn run(args: &Check) -> Result<ExitCode, Error> {
         None => Reference::None("give --baseline FILE".into()),
         Some(path) if args.update_baseline => {
             let found = Baseline::of(&study);
+            if found.is_empty() {
+                return Err(Error::Unanswerable("no run was fitted: the baseline was left as it is".into()));
+            }
             baseline::write(path, &found)?;
             Reference::None(format!("the baseline was written anew, {} estimates in {}", found.len(), path.display()))
         }
