@@ -25,13 +25,13 @@ use crate::study::check::{Reference, check, conclusion};
 hemline check spring --baseline spring/baseline.json --update-baseline\n  \
 hemline check spring --baseline spring/baseline.json --junit check.xml\n\n\
 In campaign.toml, all keys optional:\n  \
-[check]\n  alpha = 0.05                   level of the tests; that of [analysis] unless told\n  \
-responses = [\"p\", \"q\"]           whose tests and coefficients are checked; all regressed ones unless told\n  \
-drift_standard_errors = 1.0    how far an estimate may move\n  \
-theory_rms_mm = 20             not asked unless told; as the next three\n  \
+[check]\n  alpha = 0.05                  level of the tests; that of [analysis] unless told\n  \
+responses = [\"p\", \"q\"]        which responses are checked; all unless told\n  \
+drift_standard_errors = 1.0   how far an estimate may move\n  \
+theory_rms_mm = 20            not asked unless told; as the next three\n  \
 theory_fold_depth_mm = 10\n  theory_mean_radius_mm = 10\n  theory_fold_count_off = 1\n\n  \
-[[check.expected]]             a failure that is known and accepted; it has to go when it does not fail any more\n  \
-check = \"normality\"\n  responses = [\"m\"]              or runs = [\"17\"], for checks of runs\n  \
+[[check.expected]]            a failure that is accepted, until it does not fail any more\n  \
+check = \"normality\"\n  responses = [\"m\"]             or runs = [\"17\"], for checks of runs\n  \
 reason = \"the fold count is a small integer\"\n\n\
 Inside a GitHub workflow (GITHUB_ACTIONS=true) failures are annotated.\n\n\
 Exit code:\n  0  everything that was asked holds, or fails as campaign.toml expects\n  \

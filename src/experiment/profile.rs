@@ -108,8 +108,8 @@ fn first_occurrences(points: &[Point]) -> Vec<usize> {
     sorted
 }
 
-/// Area of a polygon, positive counter-clockwise; taken about its first point, so that a far origin costs no digits.
-fn signed_area(points: &[Point]) -> f64 {
+/// Area of a closed polygon of at least one corner, m², positive counter-clockwise; taken about its first point, so that a far origin costs no digits.
+pub fn signed_area(points: &[Point]) -> f64 {
     let o = points[0];
     let cross = |a: &Point, b: &Point| (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y);
     0.5 * points.iter().zip(points.iter().cycle().skip(1)).map(|(a, b)| cross(a, b)).sum::<f64>()

@@ -38,14 +38,7 @@ pub struct Outline {
 pub fn smooth(profile: &DrapeProfile) -> Outline {
     let points = profile.points();
     let n = points.len();
-    let mut fraction = Vec::with_capacity(n);
-    let mut length = 0.0;
-    for (i, point) in points.iter().enumerate() {
-        fraction.push(length);
-        length += point.distance(points[(i + 1) % n]);
-    }
-    fraction.iter_mut().for_each(|f| *f /= length);
-
+    let (fraction, _) = fractions(points);
     let (mut samples, mut length, mut order, mut noise) = smoothed(points, &fraction);
     let disturbed = DISTURBING_NOISE * length / n as f64;
     // Twice: the second time the parameter is right to the noise over the spacing squared.
@@ -73,13 +66,7 @@ fn smoothed(points: &[Point], fraction: &[f64]) -> (Vec<Point>, f64, usize, f64)
     let series = Series::of(&resample(points, fraction), highest, effective_spacing(fraction));
     let (order, noise) = order_by_evidence(&series, points, fraction);
     let fine = series.samples(4 * SAMPLES, order);
-    let mut along = Vec::with_capacity(fine.len());
-    let mut length = 0.0;
-    for (i, point) in fine.iter().enumerate() {
-        along.push(length);
-        length += point.distance(fine[(i + 1) % fine.len()]);
-    }
-    along.iter_mut().for_each(|f| *f /= length);
+    let (along, length) = fractions(&fine);
     (resample(&fine, &along), length, order, noise)
 }
 
@@ -106,6 +93,18 @@ fn along(points: &[Point], fraction: &[f64], samples: &[Point]) -> (Vec<Point>, 
     placed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = placed[0].0;
     (placed.iter().map(|p| p.1).collect(), placed.iter().map(|p| p.0 - first).collect())
+}
+
+/// Fraction of a closed polygon's length at which each corner lies, from 0; and the length, m.
+pub fn fractions(points: &[Point]) -> (Vec<f64>, f64) {
+    let mut fractions = Vec::with_capacity(points.len());
+    let mut length = 0.0;
+    for (i, point) in points.iter().enumerate() {
+        fractions.push(length);
+        length += point.distance(points[(i + 1) % points.len()]);
+    }
+    fractions.iter_mut().for_each(|f| *f /= length);
+    (fractions, length)
 }
 
 /// Mean of points at equal steps of length, m.

@@ -8,7 +8,7 @@ use super::foot_point::{Foot, centred, nearest_within};
 use super::matching::{self, Matched, stretched, warped};
 use super::orthogonal::{self, Fitted, UNKNOWNS};
 use super::outcome::{HeldLength, Rule, Termination};
-use super::outline::Outline;
+use super::outline::{Outline, fractions};
 use super::rules::{Evidence, LENGTH_SLACK, broken};
 use super::start::{LengthTable, Start};
 use crate::experiment::Point;
@@ -153,13 +153,7 @@ pub(super) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub(super) fn new(points: &'a [Point], outline: &'a Outline, options: &'a Options) -> Self {
-        let mut fractions = Vec::with_capacity(points.len());
-        let mut length = 0.0;
-        for (i, point) in points.iter().enumerate() {
-            fractions.push(length);
-            length += point.distance(points[(i + 1) % points.len()]);
-        }
-        fractions.iter_mut().for_each(|f| *f /= length);
+        let (fractions, _) = fractions(points);
         Work { points, fractions, outline, options }
     }
 

@@ -8,6 +8,7 @@ use super::desirable::{Desirable, desirable};
 use super::further::{self, Further, Series};
 use super::response;
 use crate::experiment::campaign::Response;
+use crate::experiment::profile::signed_area;
 use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Skirt, Source};
 use crate::fit::lambda::{Lambda, lambda};
 use crate::fit::{self, HemFit};
@@ -177,11 +178,9 @@ fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> Run
 
 /// (A − πR_t²)/(π(R_n² − R_t²)) of the measured outline (ISO 9073-9).
 fn drape_coefficient(tester: &Skirt, outline: &[Point]) -> f64 {
-    let next = outline.iter().cycle().skip(1);
-    let area = 0.5 * outline.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>();
     let disc = |radius: f64| std::f64::consts::PI * radius * radius;
     let (support, specimen) = (disc(tester.waist_radius().0), disc(tester.hem_radius().0));
-    (area - support) / (specimen - support)
+    (signed_area(outline) - support) / (specimen - support)
 }
 
 /// Share of the outline's points that are no further from the centre than the support disc's edge and [`EDGE`].

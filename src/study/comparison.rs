@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+use crate::experiment::profile::signed_area;
 use crate::experiment::{DrapeProfile, Point};
 use crate::fit::HemFit;
 use crate::model::hem::Placement;
@@ -33,7 +34,7 @@ pub fn compare(profile: &DrapeProfile, fit: &HemFit, predicted: &Prediction, cho
         folds: i64::from(chosen.folds) - i64::from(fit.folds.unwrap_or(0)),
         rms,
         depth: predicted.depth() - fit.fold_depth,
-        mean_radius: equal_area_radius(polygon_area(&predicted.outline)) - equal_area_radius(fit.area),
+        mean_radius: equal_area_radius(signed_area(&predicted.outline)) - equal_area_radius(fit.area),
         placement,
     }
 }
@@ -41,11 +42,6 @@ pub fn compare(profile: &DrapeProfile, fit: &HemFit, predicted: &Prediction, cho
 /// Radius of the circle of this area.
 fn equal_area_radius(area: f64) -> f64 {
     (area.abs() / std::f64::consts::PI).sqrt()
-}
-
-fn polygon_area(points: &[Point]) -> f64 {
-    let next = points.iter().cycle().skip(1);
-    0.5 * points.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>()
 }
 
 /// The shift and turn of `hem` that bring it nearest to `points`, from `start`; and the root mean square distance there.
