@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::comparison::{Comparison, compare};
+use super::fidelities::{self, FidelityRun};
 use super::response;
 use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Skirt, Source};
 use crate::fit::lambda::{Lambda, lambda};
@@ -51,6 +52,8 @@ pub struct CampaignStudy {
     pub runs: Vec<RunStudy>,
     /// In the order that the campaign asks for.
     pub regressions: Vec<Regression>,
+    /// Every fidelity of the theory against every run of known cloth and cut, in run order.
+    pub fidelities: Vec<FidelityRun>,
     /// What was set aside on reading.
     pub quarantine: Vec<Quarantined>,
     /// What was read.
@@ -86,7 +89,8 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
         })
         .collect();
     let regressions = regress(&campaign, &runs, &mut notes);
-    CampaignStudy { campaign, runs, regressions, quarantine, sources, notes }
+    let fidelities = fidelities::against(&runs, campaign.gravity);
+    CampaignStudy { campaign, runs, regressions, fidelities, quarantine, sources, notes }
 }
 
 fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> RunStudy {
