@@ -22,7 +22,7 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, fits.csv, regression.csv, candidates.csv, predictions.csv, points.csv, quarantine.csv, summary.json and figures/*.png.\n\n\
+Writes report.pdf, fits.csv, regression.csv, candidates.csv, predictions.csv, fidelities.csv, fidelity_summary.csv, points.csv, quarantine.csv, summary.json and figures/*.png.\n\n\
 Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]
 pub struct Run {
     /// The campaign's folder.

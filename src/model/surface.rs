@@ -44,7 +44,10 @@ impl LinearSurface {
         let waist_length = TAU * self.waist_radius;
         let excess = |fraction: f64| self.ring(fraction).perimeter() / (waist_length + fraction * (hem_length - waist_length)) - 1.0;
         // Hundredths of the height: smooth in between.
-        (0..=100).map(|i| f64::from(i) / 100.0).map(|u| (excess(u), u)).fold((0.0, 0.0), |a, b| if f64::abs(a.0) < b.0.abs() { b } else { a })
+        (0..=100)
+            .map(|i| f64::from(i) / 100.0)
+            .map(|u| (excess(u), u))
+            .fold((0.0, 0.0), |a, b| if f64::abs(a.0) < b.0.abs() { b } else { a })
     }
 }
 

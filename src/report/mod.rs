@@ -60,7 +60,7 @@ impl Default for Options {
 }
 
 /// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, `fits.csv`, `regression.csv`,
-/// `candidates.csv`, `predictions.csv`, `points.csv`, `quarantine.csv`, `summary.json`, `figures/*.png`.
+/// `candidates.csv`, `predictions.csv`, `fidelities.csv`, `fidelity_summary.csv`, `points.csv`, `quarantine.csv`, `summary.json`, `figures/*.png`.
 ///
 /// Each file is written beside its place and then renamed: a file of the report is whole or not there.
 ///
@@ -75,6 +75,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     let mut summary = serde_json::to_string_pretty(&summary::summary(study, &options.provenance))
         .map_err(|error| Error::Output { what: "summary.json".into(), why: error.to_string() })?;
     summary.push('\n');
+    let factors: Vec<&str> = study.campaign.design.factors.iter().map(|f| f.name.as_str()).collect();
     let rows = || study.runs.iter().map(Into::into);
     let files = [
         ("report.pdf", pdf),
@@ -82,6 +83,8 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
         ("regression.csv", table::regression(coefficients).bytes()),
         ("candidates.csv", table::candidates(rows()).bytes()),
         ("predictions.csv", table::predictions(&study.runs).bytes()),
+        ("fidelities.csv", fidelities::runs(&study.fidelities).bytes()),
+        ("fidelity_summary.csv", fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &factors).bytes()),
         ("points.csv", table::points(rows()).bytes()),
         ("quarantine.csv", table::quarantine(&options.provenance.quarantine).bytes()),
         ("summary.json", summary.into_bytes()),

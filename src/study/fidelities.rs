@@ -54,6 +54,16 @@ pub const FIDELITIES: [(&str, Fidelity); 3] = [
     ("ansatz", Fidelity::Ansatz),
 ];
 
+/// The compared fidelities with the sizes they were solved at: `graded(K = 3, J = 6)` …
+pub fn described() -> Vec<String> {
+    let one = |(name, fidelity): &(&str, Fidelity)| match fidelity {
+        Fidelity::Graded { harmonics, modes, .. } => format!("{name}(K = {harmonics}, J = {modes})"),
+        Fidelity::Ruled { harmonics } => format!("{name}(K = {harmonics})"),
+        _ => (*name).to_string(),
+    };
+    FIDELITIES.iter().map(one).collect()
+}
+
 /// Every fidelity against every run that was fitted and whose cloth and cut are known; in run order, the fidelities of a run together.
 ///
 /// Replicates share their cut and cloth, so each theory is asked once for each treatment (and fold count), not for each run. Worked on in

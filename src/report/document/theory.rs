@@ -2,17 +2,66 @@
 
 use serde_json::{Value, json};
 
-use crate::report::gallery::cells;
+use crate::report::gallery::{cell_name, cells};
 use crate::report::number::{fixed, signed, significant};
 use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::fidelities::{FIDELITIES, FidelitySummary, described, summarize};
 use crate::study::overview::{Spread, TheoryOverview, overview};
 use crate::units::{MILLIJOULE, MILLIMETRE};
+
+/// For what does not exist.
+const NONE: &str = "–";
 
 /// `null` where nothing was predicted.
 pub fn chapter(study: &CampaignStudy) -> Value {
     let Some(theory) = overview(&study.runs).theory else { return Value::Null };
     let rows: Vec<Value> = cells(&study.runs).iter().flat_map(|(_, runs)| runs).filter_map(|run| row(run)).collect();
-    json!({ "words": words(&theory), "rows": rows })
+    json!({ "words": words(&theory), "rows": rows, "fidelities": fidelities(study) })
+}
+
+/// The fidelities side by side: over all runs and per cell, and run by run; `null` where none was compared.
+fn fidelities(study: &CampaignStudy) -> Value {
+    if study.fidelities.is_empty() {
+        return Value::Null;
+    }
+    let factors = &study.campaign.design.factors;
+    let summaries = summarize(&study.fidelities);
+    let millimetres = |v: Option<f64>| v.map_or_else(|| NONE.into(), mm);
+    let ratio = |v: Option<f64>| v.map_or_else(|| NONE.into(), |r| fixed(r, 2));
+    let summary = |s: &FidelitySummary| {
+        json!([
+            s.fidelity,
+            s.runs.to_string(),
+            s.exact.to_string(),
+            s.within_one.to_string(),
+            s.compared.to_string(),
+            millimetres(s.rms),
+            ratio(s.depth_ratio),
+            s.mean_radius.map_or_else(|| NONE.into(), |v| signed(v / MILLIMETRE, 1)),
+        ])
+    };
+    let block = |name: String, levels: Option<&[f64]>| {
+        let rows: Vec<Value> = summaries.iter().filter(|s| s.levels.as_deref() == levels && 0 < s.runs).map(summary).collect();
+        json!({ "name": name, "rows": rows })
+    };
+    let mut blocks = vec![block("All runs".into(), None)];
+    blocks.extend(cells(&study.runs).iter().map(|(levels, _)| block(cell_name(factors, levels).join(", "), Some(levels))));
+    blocks.retain(|block| block["rows"].as_array().is_some_and(|rows| !rows.is_empty()));
+    let runs: Vec<Value> = cells(&study.runs)
+        .iter()
+        .flat_map(|(_, runs)| runs)
+        .filter_map(|run| {
+            let of = |name: &str| study.fidelities.iter().find(|row| row.run == run.run.id && row.fidelity == name);
+            let rows = FIDELITIES.map(|(name, _)| of(name));
+            let known = rows.iter().flatten().next()?;
+            let mut line = vec![known.run.clone(), known.fitted_folds.to_string()];
+            line.extend(rows.iter().map(|row| row.map_or_else(|| NONE.into(), |r| r.predicted_folds.to_string())));
+            line.extend(rows.iter().map(|row| millimetres(row.and_then(|r| r.comparison.as_ref()).map(|c| c.rms))));
+            line.extend(rows.iter().map(|row| ratio(row.and_then(|r| r.depth_ratio))));
+            Some(json!(line))
+        })
+        .collect();
+    json!({ "solved": described().join(", "), "blocks": blocks, "runs": runs })
 }
 
 /// What the comparison says, in sentences.

@@ -3,6 +3,7 @@
 pub mod agreement;
 pub mod cube;
 pub mod distance;
+pub mod fidelities;
 pub mod gap;
 pub mod half_normal;
 pub mod hem;

@@ -72,10 +72,8 @@ fn paint(area: &Area<'_>, cone: &Cone) -> Drawn {
     view.path(area, [[0.0, 0.0, height], [waist, 0.0, height]], dimension)?;
     view.path(area, [[hem, 0.0, 0.0], [waist, 0.0, height]], dimension)?;
     let reach = 0.22 * hem;
-    let angle: Vec<Space> = (0..=20)
-        .map(|i| cone.base_angle * f64::from(i) / 20.0)
-        .map(|a| [hem - reach * a.cos(), 0.0, reach * a.sin()])
-        .collect();
+    let angle: Vec<Space> =
+        (0..=20).map(|i| cone.base_angle * f64::from(i) / 20.0).map(|a| [hem - reach * a.cos(), 0.0, reach * a.sin()]).collect();
     view.path(area, angle, dimension)?;
     for z in [0.0, height] {
         area.draw(&Circle::new(view.step([0.0, 0.0, z]), sheet::steps(0.5), sheet::fill(INK)))?;
@@ -96,7 +94,10 @@ fn paint(area: &Area<'_>, cone: &Cone) -> Drawn {
     let left = 0.8;
     for (z, name) in [(low, "z = h"), (high, "z = h + Δh")] {
         let (x, y) = view.place(at(radius_at(z), PI, z));
-        area.draw(&PathElement::new(vec![(sheet::steps(left), sheet::steps(y)), (sheet::steps(x - 0.6), sheet::steps(y))], line(GREY, 0.18)))?;
+        area.draw(&PathElement::new(
+            vec![(sheet::steps(left), sheet::steps(y)), (sheet::steps(x - 0.6), sheet::steps(y))],
+            line(GREY, 0.18),
+        ))?;
         let lift = if z == low { 1.9 } else { -1.9 };
         sheet::text_left(area, name, 0.8, y + lift, SMALL, INK)?;
     }

@@ -50,12 +50,15 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
     solid(&mut axes, &circle(skirt.hem_radius().0), line(GREY, 0.2))?;
     dashed(&mut axes, &circle(hem.p), line(INK, 0.25), 1.4, 0.9)?;
     dashed(&mut axes, &circle(skirt.waist_radius().0), line(GREY, 0.25), 0.5, 0.7)?;
-    let points: Vec<(f64, f64)> =
-        (0..=720).map(|i| hem.point(&Placement::ORIGIN, TAU * f64::from(i) / 720.0)).map(|p| (p.x / CENTIMETRE, p.y / CENTIMETRE)).collect();
+    let points: Vec<(f64, f64)> = (0..=720)
+        .map(|i| hem.point(&Placement::ORIGIN, TAU * f64::from(i) / 720.0))
+        .map(|p| (p.x / CENTIMETRE, p.y / CENTIMETRE))
+        .collect();
     solid(&mut axes, &points, line(BLUE, 0.55))?;
     axes.draw_series(std::iter::once(Cross::new((0.0, 0.0), steps(1.0), line(GREY, 0.2))))?;
     let y = HEIGHT - 2.2;
-    let rule = |from: f64, to: f64, style: ShapeStyle| area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], style));
+    let rule =
+        |from: f64, to: f64, style: ShapeStyle| area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], style));
     rule(1.0, 6.0, line(BLUE, 0.55))?;
     rule(26.0, 31.0, line(GREY, 0.2))?;
     for i in 0..3 {

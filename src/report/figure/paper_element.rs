@@ -29,7 +29,7 @@ fn paint(area: &Area<'_>, form: &RuledForm, slant: f64, folds: u32) -> Drawn {
     let height = |ring: &[Space]| ring.iter().map(|p| p[2]).fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(z), h.max(z)));
     let (low, high) = height(&hem);
     let text = format!(
-        "m = {folds}; the last {} mm of the slant, heights stretched {} times; the hem rises by {} mm from trough to crest",
+        "m = {folds}; the last {} mm of the slant, heights stretched {} times; heights along the hem differ by {} mm",
         plain(ELEMENT / MILLIMETRE),
         plain(STRETCH),
         fixed((high - low) / MILLIMETRE, 1)

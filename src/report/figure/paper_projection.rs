@@ -54,8 +54,10 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
     let mut axes = chart(&plot, &frame)?;
     let waist = skirt.waist_radius().0 / CENTIMETRE;
     dashed(&mut axes, &circle(waist), line(GREY, 0.3), 1.4, 0.9)?;
-    let outline: Vec<(f64, f64)> =
-        (0..=POINTS).map(|i| hem.point(&Placement::ORIGIN, TAU * i as f64 / POINTS as f64)).map(|p| (p.x / CENTIMETRE, p.y / CENTIMETRE)).collect();
+    let outline: Vec<(f64, f64)> = (0..=POINTS)
+        .map(|i| hem.point(&Placement::ORIGIN, TAU * i as f64 / POINTS as f64))
+        .map(|p| (p.x / CENTIMETRE, p.y / CENTIMETRE))
+        .collect();
     solid(&mut axes, &outline, line(BLUE, 0.55))?;
     axes.draw_series(std::iter::once(Cross::new((0.0, 0.0), steps(1.0), line(GREY, 0.2))))?;
     if let Some((direction, crossings)) = ray(hem) {
@@ -65,7 +67,8 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
         sheet::dots(&mut axes, &marks, 0.8, VERMILLION)?;
     }
     let y = HEIGHT - 2.2;
-    let rule = |from: f64, to: f64, style: ShapeStyle| area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], style));
+    let rule =
+        |from: f64, to: f64, style: ShapeStyle| area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], style));
     rule(1.0, 6.0, line(BLUE, 0.55))?;
     for from in [17.0, 18.9, 20.8] {
         rule(from, from + 1.2, line(GREY, 0.3))?;

@@ -45,9 +45,8 @@ fn paint(area: &Area<'_>, surface: &LinearSurface) -> Drawn {
     let heights = Heights { from: 0.0, to: surface.height + 2.0 * CENTIMETRE, tick: 10.0 * CENTIMETRE, unit: CENTIMETRE, name: "z, cm" };
     view.floor(area, &Floor { half, tick: 10.0 * CENTIMETRE }, &heights)?;
     let round = FACES.0 * hem.folds.max(1) as usize;
-    let ring = |j: usize| -> Vec<Space> {
-        (0..round).map(|i| surface.point(TAU * i as f64 / round as f64, j as f64 / FACES.1 as f64)).collect()
-    };
+    let ring =
+        |j: usize| -> Vec<Space> { (0..round).map(|i| surface.point(TAU * i as f64 / round as f64, j as f64 / FACES.1 as f64)).collect() };
     let rings: Vec<Vec<Space>> = (0..=FACES.1).map(ring).collect();
     view.faces(area, &between(&rings))
 }
