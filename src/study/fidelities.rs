@@ -67,7 +67,7 @@ pub fn described() -> Vec<String> {
 /// Every fidelity against every run that was fitted and whose cloth and cut are known; in run order, the fidelities of a run together.
 ///
 /// Replicates share their cut and cloth, so each theory is asked once for each treatment (and fold count), not for each run. Worked on in
-/// parallel; the result does not depend on the number of threads. `gravity` in m/s².
+/// parallel; the result does not depend on the number of threads. `gravity` is that of the campaign, m/s².
 pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
     let known: Vec<Known<'_>> = runs.iter().filter_map(Known::of).collect();
     let mut scenes: Vec<(Skirt, Fabric)> = Vec::new();
@@ -77,13 +77,17 @@ pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
         }
     }
     let scene_of: Vec<usize> = known.iter().map(|run| scenes.iter().position(|s| *s == run.scene()).unwrap_or(0)).collect();
+    // The campaign's own theory has been asked and compared already.
+    let own = |fidelity: usize| FIDELITIES[fidelity].1 == Options::default().fidelity;
     let ask = |scene: usize, fidelity: usize, folds: Folds| {
         let options = Options { fidelity: FIDELITIES[fidelity].1, folds, gravity, ..Options::default() };
         let (skirt, fabric) = &scenes[scene];
         predict(skirt, fabric, &options).ok()
     };
-    let pairs: Vec<(usize, usize)> = (0..scenes.len()).flat_map(|scene| (0..FIDELITIES.len()).map(move |f| (scene, f))).collect();
-    let chosen: Vec<Option<Prediction>> = pairs.par_iter().map(|&(scene, fidelity)| ask(scene, fidelity, Folds::Auto)).collect();
+    let pairs: Vec<(usize, usize)> =
+        (0..scenes.len()).flat_map(|scene| (0..FIDELITIES.len()).map(move |fidelity| (scene, fidelity))).collect();
+    let chosen: Vec<Option<Prediction>> =
+        pairs.par_iter().map(|&(scene, fidelity)| if own(fidelity) { None } else { ask(scene, fidelity, Folds::Auto) }).collect();
     let chosen_of = |scene: usize, fidelity: usize| chosen[scene * FIDELITIES.len() + fidelity].as_ref();
     // Cloth is metastable, so shapes are compared at the fold count that was measured.
     let mut others: Vec<(usize, usize, u32)> = Vec::new();
@@ -105,6 +109,9 @@ pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
         .flat_map_iter(|(run, &scene)| {
             let (others, at_others) = (&others, &at_others);
             (0..FIDELITIES.len()).filter_map(move |fidelity| {
+                if own(fidelity) {
+                    return run.own(FIDELITIES[fidelity].0);
+                }
                 let chosen = chosen_of(scene, fidelity)?;
                 let at_fitted = run.fit.folds.and_then(|m| {
                     if m == chosen.folds {
@@ -112,7 +119,8 @@ pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
                     }
                     at_others[others.iter().position(|o| *o == (scene, fidelity, m))?].as_ref()
                 });
-                Some(run.against(FIDELITIES[fidelity].0, chosen, at_fitted))
+                let comparison = at_fitted.map(|p| compare(run.profile, run.fit, p, chosen));
+                Some(run.row(FIDELITIES[fidelity].0, chosen, at_fitted, comparison))
             })
         })
         .collect()
@@ -136,7 +144,19 @@ impl<'a> Known<'a> {
         (self.skirt, self.study.run.fabric)
     }
 
-    fn against(&self, fidelity: &'static str, chosen: &Prediction, at_fitted: Option<&Prediction>) -> FidelityRun {
+    /// The campaign's own theory.
+    fn own(&self, fidelity: &'static str) -> Option<FidelityRun> {
+        let at_fitted = self.study.prediction_at_fitted_folds.as_ref().filter(|p| Some(p.folds) == self.fit.folds);
+        Some(self.row(fidelity, self.study.prediction.as_ref()?, at_fitted, self.study.comparison.clone()))
+    }
+
+    fn row(
+        &self,
+        fidelity: &'static str,
+        chosen: &Prediction,
+        at_fitted: Option<&Prediction>,
+        comparison: Option<Comparison>,
+    ) -> FidelityRun {
         FidelityRun {
             run: self.study.run.id.clone(),
             levels: self.study.run.levels.clone(),
@@ -144,7 +164,7 @@ impl<'a> Known<'a> {
             predicted_folds: chosen.folds,
             fitted_folds: self.fit.folds.unwrap_or(0),
             depth_ratio: at_fitted.filter(|_| 0.0 < self.fit.fold_depth).map(|p| p.depth() / self.fit.fold_depth),
-            comparison: at_fitted.map(|p| compare(self.profile, self.fit, p, chosen)),
+            comparison,
         }
     }
 }

@@ -28,25 +28,20 @@ fn fidelities(study: &CampaignStudy) -> Value {
     let summaries = summarize(&study.fidelities);
     let millimetres = |v: Option<f64>| v.map_or_else(|| NONE.into(), mm);
     let ratio = |v: Option<f64>| v.map_or_else(|| NONE.into(), |r| fixed(r, 2));
-    let summary = |s: &FidelitySummary| {
-        json!([
-            s.fidelity,
-            s.runs.to_string(),
-            s.exact.to_string(),
-            s.within_one.to_string(),
-            s.compared.to_string(),
-            millimetres(s.rms),
-            ratio(s.depth_ratio),
-            s.mean_radius.map_or_else(|| NONE.into(), |v| signed(v / MILLIMETRE, 1)),
-        ])
+    let line = |name: String, levels: Option<&[f64]>| {
+        let rows = FIDELITIES.map(|(name, _)| summaries.iter().find(|s| s.fidelity == name && s.levels.as_deref() == levels && 0 < s.runs));
+        let n = rows.iter().flatten().next()?.runs;
+        let each = |said: &dyn Fn(&FidelitySummary) -> String| rows.map(|row| row.map_or_else(|| NONE.into(), said));
+        let mut line = vec![name, n.to_string()];
+        line.extend(each(&|s| s.exact.to_string()));
+        line.extend(each(&|s| s.within_one.to_string()));
+        line.extend(each(&|s| millimetres(s.rms)));
+        line.extend(each(&|s| ratio(s.depth_ratio)));
+        line.extend(each(&|s| s.mean_radius.map_or_else(|| NONE.into(), |v| signed(v / MILLIMETRE, 1))));
+        Some(line)
     };
-    let block = |name: String, levels: Option<&[f64]>| {
-        let rows: Vec<Value> = summaries.iter().filter(|s| s.levels.as_deref() == levels && 0 < s.runs).map(summary).collect();
-        json!({ "name": name, "rows": rows })
-    };
-    let mut blocks = vec![block("All runs".into(), None)];
-    blocks.extend(cells(&study.runs).iter().map(|(levels, _)| block(cell_name(factors, levels).join(", "), Some(levels))));
-    blocks.retain(|block| block["rows"].as_array().is_some_and(|rows| !rows.is_empty()));
+    let mut table: Vec<Vec<String>> = line("All runs".into(), None).into_iter().collect();
+    table.extend(cells(&study.runs).iter().filter_map(|(levels, _)| line(cell_name(factors, levels).join(", "), Some(levels))));
     let runs: Vec<Value> = cells(&study.runs)
         .iter()
         .flat_map(|(_, runs)| runs)
@@ -61,7 +56,7 @@ fn fidelities(study: &CampaignStudy) -> Value {
             Some(json!(line))
         })
         .collect();
-    json!({ "solved": described().join(", "), "blocks": blocks, "runs": runs })
+    json!({ "solved": described().join(", "), "cells": table, "runs": runs })
 }
 
 /// What the comparison says, in sentences.
