@@ -261,7 +261,10 @@ fn evaluation_counts_are_as_they_were() {
         count(Fidelity::Ansatz, Folds::Exactly(5), None),
         count(Fidelity::Polar { foundation: 0.0 }, Folds::Exactly(5), None),
     ];
-    assert_eq!(counts, [20, 130, 243, 18, 124, 5, 102]);
+    // Whether a last step is still needed hangs on rounding, and sine and cosine round differently on another processor: one evaluation or 2 %.
+    for (count, golden) in counts.into_iter().zip([20_usize, 130, 243, 18, 124, 5, 102]) {
+        assert!(count.abs_diff(golden) <= 1.max(golden / 50), "{counts:?}: {count} where {golden} were needed");
+    }
 }
 
 #[test]
@@ -306,7 +309,9 @@ fn graded_prediction_scales_with_its_units() {
     let reference = ask(1.0);
     for s in [1e-6_f64, 1e6] {
         let hem = ask(s);
-        assert_eq!((hem.folds, hem.evaluations), (reference.folds, reference.evaluations));
+        // Powers of ten round, so that a last step may be needed in one scale and not in the other.
+        assert_eq!(hem.folds, reference.folds);
+        assert!(hem.evaluations.abs_diff(reference.evaluations) <= 1.max(reference.evaluations / 50));
         close(hem.energy / s.powi(3), reference.energy, 1e-11 * reference.energy, "energy");
         close(hem.depth() / s, reference.depth(), 1e-9, "depth");
     }

@@ -14,10 +14,10 @@ use crate::study::paper::check;
 use crate::units::{self, KilogramPerSquareMetre, NewtonMetre};
 
 /// Recompute the paper behind the hem curve: its Table 1, its thin-shell test, its functional (10), how far its equations (15) to (17) hold along
-/// its approximate solution, and where its equation (4) starts and ends; and say in words what does not hold.
+/// its approximate solution, and where its equation (4) starts and ends; redraw its figures; and say in words what does not hold.
 #[derive(Debug, Clone, Args)]
 pub struct Paper {
-    /// Folder for paper.txt, table1.csv, equations.csv, folds.csv and paper.json; made if it is not there
+    /// Folder for paper.txt, table1.csv, equations.csv, folds.csv, paper.json and figures 1 to 5 as SVG and PNG; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Mass per area of the cloth, g/m²; the paper gives none
@@ -47,13 +47,16 @@ pub fn run(args: &Paper) -> Result<ExitCode, Error> {
         flexural_rigidity: Some(NewtonMetre(args.rigidity_un_m * units::MICRONEWTON_METRE)),
     };
     let check = check(&Cloth::of(&fabric, args.gravity_m_s2)?, args.foundation_n_m3)?;
-    if let Some(folder) = &args.out {
-        report::paper::write(&check, folder)?;
-    }
+    let written = args.out.as_ref().map(|folder| report::paper::write(&check, folder)).transpose()?;
     if args.json {
         print(&format!("{:#}\n", report::paper::json(&check)))?;
     } else {
-        print(&report::paper::text(&check))?;
+        let mut text = report::paper::text(&check);
+        if let Some(paths) = written {
+            text.push_str("\nWritten:\n");
+            paths.iter().for_each(|path| text.push_str(&format!("  {}\n", path.display())));
+        }
+        print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -7,4 +7,5 @@ pub mod graded;
 pub mod height;
 pub mod hem;
 pub mod skirt;
+pub mod surface;
 pub mod tangent;

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::figure::{agreement, cube, distance, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols};
+use super::figure::{
+    agreement, cube, distance, fidelities, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols,
+};
 use super::number;
 use super::words::{self, Response};
 use crate::error::Error;
@@ -10,6 +12,7 @@ use crate::experiment::Factor;
 use crate::statistics::box_wilson::Analysis;
 use crate::statistics::distribution;
 use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::fidelities::{FIDELITIES, FidelityRun};
 use crate::study::overview::spread;
 use crate::units::MILLIMETRE;
 
@@ -43,6 +46,7 @@ pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
         }
     }
     draw_theory(&mut gallery, study)?;
+    draw_fidelities(&mut gallery, study)?;
     Ok(gallery)
 }
 
@@ -139,6 +143,42 @@ fn draw_theory(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error
         gallery.insert("theory_agreement".into(), agreement::draw(&radius, &depth, &folds)?);
         gallery.insert("theory_gap".into(), gap::draw(&gaps, [rms, mean_radius, fold_depth])?);
     }
+    Ok(())
+}
+
+/// Every fidelity against every run, if there is a theory for any.
+fn draw_fidelities(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error> {
+    let (mut names, mut numbers) = (vec![], vec![]);
+    for (number, (_, members)) in cells(&study.runs).into_iter().enumerate() {
+        for run in members.into_iter().filter(|run| study.fidelities.iter().any(|row| row.run == run.run.id)) {
+            names.push(run.run.id.clone());
+            numbers.push(number);
+        }
+    }
+    if names.is_empty() {
+        return Ok(());
+    }
+    let series = |pick: &dyn Fn(&FidelityRun) -> Option<f64>| -> Vec<Vec<Option<f64>>> {
+        let of = |name: &String, fidelity: &str| study.fidelities.iter().find(|row| row.run == *name && row.fidelity == fidelity);
+        FIDELITIES.iter().map(|(fidelity, _)| names.iter().map(|name| of(name, fidelity).and_then(pick)).collect()).collect()
+    };
+    let panel = |title, unit, reference, series| fidelities::Panel { title, unit, reference, series };
+    let panels = [
+        panel(
+            "Shape: rms distance of the points from the hem predicted at the fitted fold count",
+            "mm",
+            0.0,
+            series(&|row| row.comparison.as_ref().map(|c| c.rms / MILLIMETRE)),
+        ),
+        panel("Fold depth, predicted / fitted", "ratio", 1.0, series(&|row| row.depth_ratio)),
+        panel(
+            "Fold count of least energy, predicted − fitted",
+            "folds",
+            0.0,
+            series(&|row| Some(f64::from(row.predicted_folds) - f64::from(row.fitted_folds))),
+        ),
+    ];
+    gallery.insert("theory_fidelities".into(), fidelities::draw(&names, &numbers, &FIDELITIES.map(|(name, _)| name), &panels)?);
     Ok(())
 }
 

@@ -5,27 +5,74 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::csv::Table;
-use super::output;
+use super::figure::{paper_cone, paper_curve, paper_element, paper_projection, paper_shell};
+use super::{output, raster};
 use crate::error::Error;
+use crate::model::skirt::Cone;
 use crate::study::paper::PaperCheck;
 
-/// Writes `paper.txt`, `table1.csv`, `equations.csv`, `folds.csv` and `paper.json` into `folder`; the paths, in that order.
+/// One of the paper's figures, redrawn.
+#[derive(Debug, Clone)]
+pub struct Figure {
+    /// Its number in the paper.
+    pub number: u32,
+    /// What it shows.
+    pub shows: &'static str,
+    pub svg: String,
+}
+
+impl Figure {
+    /// Name of its file without the extension.
+    pub fn stem(&self) -> String {
+        format!("figure_{}", self.number)
+    }
+}
+
+/// Figures 1 to 5, recomputed for the checked cloth. A figure whose curve does not exist for this cloth is left out.
 ///
 /// # Errors
-/// [`Error::File`] if the folder cannot be written.
+/// [`Error::Output`] if one cannot be drawn.
+pub fn figures(check: &PaperCheck) -> Result<Vec<Figure>, Error> {
+    let slant = check.skirt.slant_length().0;
+    let drawn = [
+        (1, "the truncated cone of Table 1 with its dimensions", Some(paper_cone::draw(&Cone::of(&check.skirt)))),
+        (2, "plan view of a skirt of big conicity", check.wide.as_ref().map(|(skirt, hem)| paper_projection::draw(skirt, hem))),
+        (3, "space form of the surface element", check.space.as_ref().map(|form| paper_element::draw(form, slant, check.hem.folds))),
+        (4, "middle curve of Table 1's skirt, approximate solution", Some(paper_curve::draw(&check.skirt, &check.hem))),
+        (5, "the one-layer shell by equation (18)", check.surface.as_ref().map(paper_shell::draw)),
+    ];
+    drawn.into_iter().filter_map(|(number, shows, svg)| Some(svg?.map(|svg| Figure { number, shows, svg }))).collect()
+}
+
+/// Writes `paper.txt`, `table1.csv`, `equations.csv`, `folds.csv`, `paper.json`, then `figure_1.svg`, `figure_1.png` and so on into `folder`; the
+/// paths, in that order.
+///
+/// # Errors
+/// [`Error::File`] if the folder cannot be written, [`Error::Output`] if a figure cannot be drawn.
 pub fn write(check: &PaperCheck, folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let mut summary = format!("{:#}", json(check));
     summary.push('\n');
-    [
-        ("paper.txt", text(check).into_bytes()),
-        ("table1.csv", table_one(check).bytes()),
-        ("equations.csv", equations(check).bytes()),
-        ("folds.csv", folds(check).bytes()),
-        ("paper.json", summary.into_bytes()),
-    ]
-    .iter()
-    .map(|(name, bytes)| output::write(folder, name, bytes))
-    .collect()
+    let figures = figures(check)?;
+    let mut files = vec![
+        ("paper.txt".to_string(), (text(check) + &figure_list(&figures)).into_bytes()),
+        ("table1.csv".into(), table_one(check).bytes()),
+        ("equations.csv".into(), equations(check).bytes()),
+        ("folds.csv".into(), folds(check).bytes()),
+        ("paper.json".into(), summary.into_bytes()),
+    ];
+    for figure in &figures {
+        let picture = format!("{}.png", figure.stem());
+        let png = raster::png(&picture, &figure.svg)?;
+        files.push((format!("{}.svg", figure.stem()), figure.svg.clone().into_bytes()));
+        files.push((picture, png));
+    }
+    files.iter().map(|(name, bytes)| output::write(folder, name, bytes)).collect()
+}
+
+/// Which figures there are, one line each, with the names of their files.
+fn figure_list(figures: &[Figure]) -> String {
+    let line = |f: &Figure| format!("Figure {}: {} ({stem}.svg, {stem}.png)\n", f.number, f.shows, stem = f.stem());
+    format!("\n{}", figures.iter().map(line).collect::<String>())
 }
 
 /// The whole check in plain words, lengths in cm as the paper has them.
@@ -122,5 +169,43 @@ mod tests {
         assert_eq!(read(3).lines().count(), 1 + 11);
         let value: Value = serde_json::from_str(&read(4)).unwrap();
         assert_eq!(value["hem"]["folds"], 5);
+    }
+
+    #[test]
+    fn five_figures_are_redrawn_and_are_the_same_twice() {
+        let fabric = Fabric { areal_density: Some(KilogramPerSquareMetre(0.2)), flexural_rigidity: Some(NewtonMetre(1e-5)) };
+        let check = || paper::check(&Cloth::of(&fabric, STANDARD_GRAVITY).unwrap(), 0.0).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let once = write(&check(), &folder.path().join("a")).unwrap();
+        let twice = write(&check(), &folder.path().join("b")).unwrap();
+        assert_eq!(once.len(), 5 + 2 * 5);
+        let list = std::fs::read_to_string(&once[0]).unwrap();
+        for number in 1..=5 {
+            for ending in ["svg", "png"] {
+                let name = format!("figure_{number}.{ending}");
+                assert!(list.contains(&name), "{name} is not listed");
+                let at = once.iter().position(|path| path.ends_with(&name)).unwrap();
+                let (first, second) = (std::fs::read(&once[at]).unwrap(), std::fs::read(&twice[at]).unwrap());
+                let begins: &[u8] = if ending == "svg" { b"<svg" } else { b"\x89PNG" };
+                assert!(first.starts_with(begins) && first == second, "{name}");
+                if ending == "svg" {
+                    let svg = String::from_utf8(first).unwrap();
+                    assert!(svg.contains("mm\" viewBox") && !svg.contains("NaN") && !svg.contains("inf"), "{name}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn figures_of_cloth_at_either_end_are_drawn_or_left_out() {
+        // Soft silk folds more than eightfold; at twice the rigidity at which eight folds end, Figure 5 has nothing to show.
+        for rigidity in [2e-7, 1e-5, 1e-4] {
+            let fabric = Fabric { areal_density: Some(KilogramPerSquareMetre(0.2)), flexural_rigidity: Some(NewtonMetre(rigidity)) };
+            let check = paper::check(&Cloth::of(&fabric, STANDARD_GRAVITY).unwrap(), 0.0).unwrap();
+            let numbers: Vec<u32> = figures(&check).unwrap().iter().map(|f| f.number).collect();
+            assert!([1, 3, 4].iter().all(|n| numbers.contains(n)), "{rigidity}: {numbers:?}");
+            assert_eq!(numbers.contains(&5), check.surface.is_some());
+            assert_eq!(numbers.contains(&2), check.wide.is_some());
+        }
     }
 }

@@ -33,7 +33,17 @@ fn a_report_is_written_whole_and_is_the_same_twice() {
     let once = write(&study, &folder.path().join("a"), &options).unwrap();
     let twice = write(&study, &folder.path().join("b"), &options).unwrap();
     let names: Vec<String> = once.iter().map(|p| p.strip_prefix(folder.path().join("a")).unwrap().display().to_string()).collect();
-    for expected in ["report.pdf", "fits.csv", "regression.csv", "quarantine.csv", "candidates.csv", "summary.json", "figures/hem_1.png"] {
+    for expected in [
+        "report.pdf",
+        "fits.csv",
+        "regression.csv",
+        "quarantine.csv",
+        "candidates.csv",
+        "fidelities.csv",
+        "fidelity_summary.csv",
+        "summary.json",
+        "figures/hem_1.png",
+    ] {
         assert!(names.iter().any(|n| n == expected), "{expected} is missing of {names:?}");
     }
     for (a, b) in once.iter().zip(&twice) {
@@ -89,9 +99,29 @@ fn the_summary_says_where_the_numbers_come_from_and_what_does_not_exist() {
 }
 
 #[test]
+fn all_three_theories_stand_against_every_run_of_known_cloth() {
+    let study = sample::study();
+    // One of the forty runs is set aside.
+    let runs = fidelities::runs(&study.fidelities);
+    assert_eq!(runs.rows.len(), 3 * 39);
+    let summary = fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &["rigidity", "density", "conicity"]);
+    assert_eq!(summary.rows.len(), 3 * (1 + 8));
+    // The campaign's own theory says the same in both tables.
+    let fits = table::fits(study.runs.iter().map(Into::into));
+    let place = |table: &csv::Table, name: &str| table.columns.iter().position(|c| c == name).unwrap();
+    for row in runs.rows.iter().filter(|row| row[1] == csv::Cell::from("ruled")) {
+        let fit = fits.rows.iter().find(|fit| fit[0] == row[0]).unwrap();
+        assert_eq!(row[place(&runs, "predicted_m")], fit[place(&fits, "predicted_m")]);
+        assert_eq!(row[place(&runs, "rms_mm")], fit[place(&fits, "theory_gap_mm")]);
+    }
+    assert!(gallery::draw(&study).unwrap().contains_key("theory_fidelities"));
+}
+
+#[test]
 fn a_campaign_without_regressions_theory_or_cloth_still_has_a_document() {
     let mut study = sample::study();
     study.regressions.clear();
+    study.fidelities.clear();
     for run in &mut study.runs {
         (run.prediction, run.prediction_at_fitted_folds, run.comparison) = (None, None, None);
         run.lambda = Default::default();
@@ -125,6 +155,7 @@ fn every_column_and_key_is_described_in_the_docs() {
 #[test]
 fn a_campaign_in_which_everything_failed_still_has_a_document() {
     let mut study = sample::study();
+    study.fidelities.clear();
     for run in &mut study.runs {
         run.profile = None;
         run.fit = Err("the profile was set aside".into());

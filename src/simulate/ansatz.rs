@@ -86,6 +86,11 @@ pub fn least(skirt: &Skirt, cloth: &Cloth) -> Result<Hem, Error> {
     predict(skirt, cloth, Folds::Auto)?.hem.filter(|hem| hem.folds != 0).ok_or_else(round)
 }
 
+/// p, q, s of least ruled energy at `folds` folds; `None` where there is no such curve.
+pub fn at(skirt: &Skirt, cloth: &Cloth, folds: u32) -> Option<Hem> {
+    predict(skirt, cloth, Folds::Exactly(folds)).ok()?.hem.filter(|hem| hem.folds == folds)
+}
+
 /// A Ritz solution of the paper's own functional (10) under the paper's constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperRitz {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::as_measured::as_measured;
 use super::comparison::{Comparison, compare};
 use super::desirable::{Desirable, desirable};
+use super::fidelities::{self, FidelityRun};
 use super::further::{self, Further, Series};
 use super::response;
 use crate::experiment::campaign::Response;
@@ -65,6 +66,8 @@ pub struct CampaignStudy {
     pub regressions: Vec<Regression>,
     /// The setting that meets the campaign's wishes best, or why there is none; `None` where it wishes nothing.
     pub desirable: Option<Result<Desirable, String>>,
+    /// Every fidelity of the theory against every run of known cloth and cut, in run order.
+    pub fidelities: Vec<FidelityRun>,
     /// What was set aside on reading.
     pub quarantine: Vec<Quarantined>,
     /// What was read.
@@ -105,7 +108,8 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
     }
     let regressions = regress(&campaign, &design, &runs);
     let desirable = desirable(&campaign, &regressions);
-    CampaignStudy { campaign, runs, regressions, desirable, quarantine, sources, notes }
+    let fidelities = fidelities::against(&runs, campaign.gravity);
+    CampaignStudy { campaign, runs, regressions, desirable, fidelities, quarantine, sources, notes }
 }
 
 impl RunStudy {

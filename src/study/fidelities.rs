@@ -5,7 +5,9 @@ use serde::Serialize;
 
 use super::campaign::RunStudy;
 use super::comparison::{Comparison, compare};
-use crate::simulate::{Fidelity, Folds, Options, graded, predict, ruled};
+use crate::experiment::{DrapeProfile, Fabric, Skirt};
+use crate::fit::HemFit;
+use crate::simulate::{Fidelity, Folds, Options, Prediction, graded, predict, ruled};
 
 /// One fidelity against one run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,39 +48,125 @@ pub struct FidelitySummary {
 }
 
 /// The fidelities that are compared, the most complete first.
-const FIDELITIES: [(&str, Fidelity); 3] = [
+pub const FIDELITIES: [(&str, Fidelity); 3] = [
     ("graded", Fidelity::Graded { harmonics: graded::HARMONICS, modes: graded::MODES, shear: 0.0 }),
     ("ruled", Fidelity::Ruled { harmonics: ruled::HARMONICS }),
     ("ansatz", Fidelity::Ansatz),
 ];
 
-/// Every fidelity against every run that was fitted and whose cloth and cut are known; in run order, the fidelities of a run together.
-///
-/// Runs are worked on in parallel; the result does not depend on the number of threads. `gravity` in m/s².
-pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
-    runs.par_iter().flat_map_iter(|run| FIDELITIES.iter().filter_map(move |(name, fidelity)| one(run, name, *fidelity, gravity))).collect()
+/// The compared fidelities with the sizes they were solved at: `graded(K = 3, J = 6)` …
+pub fn described() -> Vec<String> {
+    let one = |(name, fidelity): &(&str, Fidelity)| match fidelity {
+        Fidelity::Graded { harmonics, modes, .. } => format!("{name}(K = {harmonics}, J = {modes})"),
+        Fidelity::Ruled { harmonics } => format!("{name}(K = {harmonics})"),
+        _ => (*name).to_string(),
+    };
+    FIDELITIES.iter().map(one).collect()
 }
 
-fn one(study: &RunStudy, name: &'static str, fidelity: Fidelity, gravity: f64) -> Option<FidelityRun> {
-    let (skirt, profile, fit) = (study.run.skirt.as_ref()?, study.profile.as_ref()?, study.fit.as_ref().ok()?);
-    let options = Options { fidelity, gravity, ..Options::default() };
-    let chosen = predict(skirt, &study.run.fabric, &options).ok()?;
-    // Cloth is metastable, so shapes are compared at the fold count that was measured.
-    let at_fitted = fit.folds.and_then(|m| {
-        if chosen.folds == m {
-            return Some(chosen.clone());
+/// Every fidelity against every run that was fitted and whose cloth and cut are known; in run order, the fidelities of a run together.
+///
+/// Replicates share their cut and cloth, so each theory is asked once for each treatment (and fold count), not for each run. Worked on in
+/// parallel; the result does not depend on the number of threads. `gravity` is that of the campaign, m/s².
+pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
+    let known: Vec<Known<'_>> = runs.iter().filter_map(Known::of).collect();
+    let mut scenes: Vec<(Skirt, Fabric)> = Vec::new();
+    for run in &known {
+        if !scenes.contains(&run.scene()) {
+            scenes.push(run.scene());
         }
-        predict(skirt, &study.run.fabric, &Options { folds: Folds::Exactly(m), ..options }).ok().filter(|p| p.folds == m)
-    });
-    Some(FidelityRun {
-        run: study.run.id.clone(),
-        levels: study.run.levels.clone(),
-        fidelity: name,
-        predicted_folds: chosen.folds,
-        fitted_folds: fit.folds.unwrap_or(0),
-        depth_ratio: at_fitted.as_ref().filter(|_| 0.0 < fit.fold_depth).map(|p| p.depth() / fit.fold_depth),
-        comparison: at_fitted.as_ref().map(|p| compare(profile, fit, p, &chosen)),
-    })
+    }
+    let scene_of: Vec<usize> = known.iter().map(|run| scenes.iter().position(|s| *s == run.scene()).unwrap_or(0)).collect();
+    // The campaign's own theory has been asked and compared already.
+    let own = |fidelity: usize| FIDELITIES[fidelity].1 == Options::default().fidelity;
+    let ask = |scene: usize, fidelity: usize, folds: Folds| {
+        let options = Options { fidelity: FIDELITIES[fidelity].1, folds, gravity, ..Options::default() };
+        let (skirt, fabric) = &scenes[scene];
+        predict(skirt, fabric, &options).ok()
+    };
+    let pairs: Vec<(usize, usize)> =
+        (0..scenes.len()).flat_map(|scene| (0..FIDELITIES.len()).map(move |fidelity| (scene, fidelity))).collect();
+    let chosen: Vec<Option<Prediction>> =
+        pairs.par_iter().map(|&(scene, fidelity)| if own(fidelity) { None } else { ask(scene, fidelity, Folds::Auto) }).collect();
+    let chosen_of = |scene: usize, fidelity: usize| chosen[scene * FIDELITIES.len() + fidelity].as_ref();
+    // Cloth is metastable, so shapes are compared at the fold count that was measured.
+    let mut others: Vec<(usize, usize, u32)> = Vec::new();
+    for (run, &scene) in known.iter().zip(&scene_of) {
+        for fidelity in 0..FIDELITIES.len() {
+            if let (Some(m), Some(chosen)) = (run.fit.folds, chosen_of(scene, fidelity))
+                && m != chosen.folds
+                && !others.contains(&(scene, fidelity, m))
+            {
+                others.push((scene, fidelity, m));
+            }
+        }
+    }
+    let at_others: Vec<Option<Prediction>> =
+        others.par_iter().map(|&(scene, fidelity, m)| ask(scene, fidelity, Folds::Exactly(m)).filter(|p| p.folds == m)).collect();
+    known
+        .par_iter()
+        .zip(&scene_of)
+        .flat_map_iter(|(run, &scene)| {
+            let (others, at_others) = (&others, &at_others);
+            (0..FIDELITIES.len()).filter_map(move |fidelity| {
+                if own(fidelity) {
+                    return run.own(FIDELITIES[fidelity].0);
+                }
+                let chosen = chosen_of(scene, fidelity)?;
+                let at_fitted = run.fit.folds.and_then(|m| {
+                    if m == chosen.folds {
+                        return Some(chosen);
+                    }
+                    at_others[others.iter().position(|o| *o == (scene, fidelity, m))?].as_ref()
+                });
+                let comparison = at_fitted.map(|p| compare(run.profile, run.fit, p, chosen));
+                Some(run.row(FIDELITIES[fidelity].0, chosen, at_fitted, comparison))
+            })
+        })
+        .collect()
+}
+
+/// A run with all that a comparison needs.
+struct Known<'a> {
+    study: &'a RunStudy,
+    skirt: Skirt,
+    profile: &'a DrapeProfile,
+    fit: &'a HemFit,
+}
+
+impl<'a> Known<'a> {
+    fn of(study: &'a RunStudy) -> Option<Self> {
+        Some(Known { study, skirt: study.run.skirt?, profile: study.profile.as_ref()?, fit: study.fit.as_ref().ok()? })
+    }
+
+    /// What a theory is told.
+    fn scene(&self) -> (Skirt, Fabric) {
+        (self.skirt, self.study.run.fabric)
+    }
+
+    /// The campaign's own theory.
+    fn own(&self, fidelity: &'static str) -> Option<FidelityRun> {
+        let at_fitted = self.study.prediction_at_fitted_folds.as_ref().filter(|p| Some(p.folds) == self.fit.folds);
+        Some(self.row(fidelity, self.study.prediction.as_ref()?, at_fitted, self.study.comparison.clone()))
+    }
+
+    fn row(
+        &self,
+        fidelity: &'static str,
+        chosen: &Prediction,
+        at_fitted: Option<&Prediction>,
+        comparison: Option<Comparison>,
+    ) -> FidelityRun {
+        FidelityRun {
+            run: self.study.run.id.clone(),
+            levels: self.study.run.levels.clone(),
+            fidelity,
+            predicted_folds: chosen.folds,
+            fitted_folds: self.fit.folds.unwrap_or(0),
+            depth_ratio: at_fitted.filter(|_| 0.0 < self.fit.fold_depth).map(|p| p.depth() / self.fit.fold_depth),
+            comparison,
+        }
+    }
 }
 
 /// All runs of each fidelity, then each cell, in the order in which the cells occur.

@@ -9,6 +9,7 @@ use crate::experiment::Skirt;
 use crate::model::functional::{Equations, PaperFunctional};
 use crate::model::hem::Hem;
 use crate::model::skirt::{Cone, from_body, thinness};
+use crate::model::surface::{LinearSurface, RuledForm};
 use crate::simulate::{Cloth, ansatz, polar};
 use crate::units::Metre;
 
@@ -24,6 +25,12 @@ pub const SLANT: f64 = 0.53;
 pub const THICKNESS: f64 = 1e-3;
 /// Fold counts for which equation (4) and the functional are tabulated.
 pub const FOLDS: std::ops::RangeInclusive<u32> = 2..=12;
+/// Fold count of the paper's surface (18), there called ω.
+pub const SURFACE_FOLDS: u32 = 8;
+/// Generatrices of the space form: enough for a smooth line.
+const GENERATRICES: usize = 400;
+/// Conicities (R_n − R_t)/L, twice that of Table 1 and more, that are tried for a hem that overhangs.
+const CONICITIES: [f64; 5] = [0.45, 0.5, 0.55, 0.6, 0.65];
 
 /// One line of Table 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -73,6 +80,12 @@ pub struct PaperCheck {
     /// Equations (15) to (17) along it.
     pub equations: Option<Equations>,
     pub folds: Vec<FoldRow>,
+    /// Table 1's skirt with its hem as a curve in space; `None` if the slant does not reach the hem.
+    pub space: Option<RuledForm>,
+    /// The least conic of some wider skirts whose approximate solution overhangs, and that curve; `None` if none of them does.
+    pub wide: Option<(Skirt, Hem)>,
+    /// The surface (18) with its eight folds; `None` where this cloth is too stiff for them.
+    pub surface: Option<LinearSurface>,
     /// What does not hold, in words, each with its number.
     pub findings: Vec<String>,
 }
@@ -114,8 +127,28 @@ pub fn check(cloth: &Cloth, foundation: f64) -> Result<PaperCheck, Error> {
         })
         .collect();
     let thinness = thinness(&skirt, THICKNESS);
-    let findings = findings(&table, equations.as_ref(), &folds, cone.hem_radius);
-    Ok(PaperCheck { skirt, table, thinness, hem, equations, folds, findings })
+    let mut findings = findings(&table, equations.as_ref(), &folds, cone.hem_radius);
+    let space = RuledForm::new(&skirt, &hem, GENERATRICES);
+    let wide = overhanging(&skirt, cloth);
+    let surface = ansatz::at(&skirt, cloth, SURFACE_FOLDS).map(|hem| LinearSurface::new(&skirt, hem));
+    if let Some((excess, at)) = surface.map(|s| s.ring_excess()) {
+        findings.push(format!(
+            "The surface (18) takes p and q linear in height: {:.0} % of the way down its rings are then {:.1} % {} than their cloth. It is a picture, not an inextensible shell.",
+            100.0 * at,
+            100.0 * excess.abs(),
+            if excess < 0.0 { "shorter" } else { "longer" }
+        ));
+    }
+    Ok(PaperCheck { skirt, table, thinness, hem, equations, folds, space, wide, surface, findings })
+}
+
+/// The first of some wider skirts, as long and as wide at the waist, whose curve meets some ray more than once.
+fn overhanging(skirt: &Skirt, cloth: &Cloth) -> Option<(Skirt, Hem)> {
+    CONICITIES.iter().find_map(|conicity| {
+        let hem_radius = Metre(skirt.waist_radius().0 + conicity * skirt.slant_length().0);
+        let wide = Skirt::new(skirt.waist_radius(), hem_radius, skirt.slant_length()).ok()?;
+        Some((wide, ansatz::least(&wide, cloth).ok().filter(Hem::overhangs)?))
+    })
 }
 
 fn findings(table: &[TableRow], equations: Option<&Equations>, folds: &[FoldRow], hem_radius: f64) -> Vec<String> {
@@ -180,6 +213,6 @@ mod tests {
         for row in &check.folds {
             assert!(row.onset.unwrap() < row.limit.unwrap_or(f64::INFINITY), "{row:?}");
         }
-        assert_eq!(check.findings.len(), 7);
+        assert_eq!(check.findings.len(), 8);
     }
 }

@@ -2,17 +2,61 @@
 
 use serde_json::{Value, json};
 
-use crate::report::gallery::cells;
+use crate::report::gallery::{cell_name, cells};
 use crate::report::number::{fixed, signed, significant};
 use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::fidelities::{FIDELITIES, FidelitySummary, described, summarize};
 use crate::study::overview::{Spread, TheoryOverview, overview};
 use crate::units::{MILLIJOULE, MILLIMETRE};
+
+/// For what does not exist.
+const NONE: &str = "–";
 
 /// `null` where nothing was predicted.
 pub fn chapter(study: &CampaignStudy) -> Value {
     let Some(theory) = overview(&study.runs).theory else { return Value::Null };
     let rows: Vec<Value> = cells(&study.runs).iter().flat_map(|(_, runs)| runs).filter_map(|run| row(run)).collect();
-    json!({ "words": words(&theory), "rows": rows })
+    json!({ "words": words(&theory), "rows": rows, "fidelities": fidelities(study) })
+}
+
+/// The fidelities side by side: over all runs and per cell, and run by run; `null` where none was compared.
+fn fidelities(study: &CampaignStudy) -> Value {
+    if study.fidelities.is_empty() {
+        return Value::Null;
+    }
+    let factors = &study.campaign.design.factors;
+    let summaries = summarize(&study.fidelities);
+    let millimetres = |v: Option<f64>| v.map_or_else(|| NONE.into(), mm);
+    let ratio = |v: Option<f64>| v.map_or_else(|| NONE.into(), |r| fixed(r, 2));
+    let line = |name: String, levels: Option<&[f64]>| {
+        let rows = FIDELITIES.map(|(name, _)| summaries.iter().find(|s| s.fidelity == name && s.levels.as_deref() == levels && 0 < s.runs));
+        let n = rows.iter().flatten().next()?.runs;
+        let each = |said: &dyn Fn(&FidelitySummary) -> String| rows.map(|row| row.map_or_else(|| NONE.into(), said));
+        let mut line = vec![name, n.to_string()];
+        line.extend(each(&|s| s.exact.to_string()));
+        line.extend(each(&|s| s.within_one.to_string()));
+        line.extend(each(&|s| millimetres(s.rms)));
+        line.extend(each(&|s| ratio(s.depth_ratio)));
+        line.extend(each(&|s| s.mean_radius.map_or_else(|| NONE.into(), |v| signed(v / MILLIMETRE, 1))));
+        Some(line)
+    };
+    let mut table: Vec<Vec<String>> = line("All runs".into(), None).into_iter().collect();
+    table.extend(cells(&study.runs).iter().filter_map(|(levels, _)| line(cell_name(factors, levels).join(", "), Some(levels))));
+    let runs: Vec<Value> = cells(&study.runs)
+        .iter()
+        .flat_map(|(_, runs)| runs)
+        .filter_map(|run| {
+            let of = |name: &str| study.fidelities.iter().find(|row| row.run == run.run.id && row.fidelity == name);
+            let rows = FIDELITIES.map(|(name, _)| of(name));
+            let known = rows.iter().flatten().next()?;
+            let mut line = vec![known.run.clone(), known.fitted_folds.to_string()];
+            line.extend(rows.iter().map(|row| row.map_or_else(|| NONE.into(), |r| r.predicted_folds.to_string())));
+            line.extend(rows.iter().map(|row| millimetres(row.and_then(|r| r.comparison.as_ref()).map(|c| c.rms))));
+            line.extend(rows.iter().map(|row| ratio(row.and_then(|r| r.depth_ratio))));
+            Some(json!(line))
+        })
+        .collect();
+    json!({ "solved": described().join(", "), "cells": table, "runs": runs })
 }
 
 /// What the comparison says, in sentences.

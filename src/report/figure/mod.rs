@@ -3,15 +3,22 @@
 pub mod agreement;
 pub mod cube;
 pub mod distance;
+pub mod fidelities;
 pub mod gap;
 pub mod half_normal;
 pub mod hem;
 pub mod interactions;
 pub mod main_effects;
 pub mod multiples;
+pub mod paper_cone;
+pub mod paper_curve;
+pub mod paper_element;
+pub mod paper_projection;
+pub mod paper_shell;
 pub mod pareto;
 pub mod residuals;
 pub mod sheet;
+pub mod space;
 pub mod symbols;
 
 #[cfg(test)]
