@@ -84,8 +84,8 @@ pub struct PaperCheck {
     pub space: Option<RuledForm>,
     /// The least conic of some wider skirts whose approximate solution overhangs, and that curve; `None` if none of them does.
     pub wide: Option<(Skirt, Hem)>,
-    /// The surface (18) with its eight folds; `None` where this cloth is too stiff for them.
-    pub surface: Option<LinearSurface>,
+    /// The surface (18) with the paper's eight folds, or with those of `hem` where this cloth is too stiff for eight.
+    pub surface: LinearSurface,
     /// What does not hold, in words, each with its number.
     pub findings: Vec<String>,
 }
@@ -130,15 +130,14 @@ pub fn check(cloth: &Cloth, foundation: f64) -> Result<PaperCheck, Error> {
     let mut findings = findings(&table, equations.as_ref(), &folds, cone.hem_radius);
     let space = RuledForm::new(&skirt, &hem, GENERATRICES);
     let wide = overhanging(&skirt, cloth);
-    let surface = ansatz::at(&skirt, cloth, SURFACE_FOLDS).map(|hem| LinearSurface::new(&skirt, hem));
-    if let Some((excess, at)) = surface.map(|s| s.ring_excess()) {
-        findings.push(format!(
+    let surface = LinearSurface::new(&skirt, ansatz::at(&skirt, cloth, SURFACE_FOLDS).unwrap_or(hem));
+    let (excess, at) = surface.ring_excess();
+    findings.push(format!(
             "The surface (18) takes p and q linear in height: {:.0} % of the way down its rings are then {:.1} % {} than their cloth. It is a picture, not an inextensible shell.",
             100.0 * at,
             100.0 * excess.abs(),
             if excess < 0.0 { "shorter" } else { "longer" }
         ));
-    }
     Ok(PaperCheck { skirt, table, thinness, hem, equations, folds, space, wide, surface, findings })
 }
 
