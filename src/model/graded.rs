@@ -7,7 +7,7 @@
 //!
 //! One hand-written reverse sweep gives the gradient; dual numbers pushed through it give the exact Hessian.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, DVector};
 
@@ -67,8 +67,12 @@ pub struct GradedShell {
 
 #[derive(Debug, Clone)]
 struct Slice {
+    /// Fraction of the way from waist to hem along the slant.
+    fraction: f64,
     /// R, m.
     ring: f64,
+    /// R of the cloth as it was cut, m: its area, which a stretch of the ring does not change.
+    cloth: f64,
     /// Weight of ∫ dℓ, m.
     weight: f64,
     /// ∫ R dℓ from here to the hem, m²: what hangs below.
@@ -108,7 +112,9 @@ impl GradedShell {
             .map(|(s, w)| {
                 let (u, du, _) = setup.basis.height(*s);
                 Slice {
+                    fraction: u,
                     ring: waist + u * (hem - waist),
+                    cloth: waist + u * (hem - waist),
                     weight: w * du * slant,
                     below: slant * (1.0 - u) * (waist + 0.5 * (1.0 + u) * (hem - waist)),
                     basis: setup.basis.functions(*s, setup.modes, slant),
@@ -142,6 +148,30 @@ impl GradedShell {
         let alpha: Vec<Dual<0>> = alpha.iter().map(|a| Dual::constant(*a)).collect();
         let sweep = self.sweep(&alpha)?;
         Some(GradedBudget { gravity: sweep.gravity.value, bending: sweep.bending.value, shear: sweep.shear.value })
+    }
+
+    /// Mean Lagrange multiplier of the hem's length, N: by how much the energy of the shape with coefficients `alpha` changes per metre of hem.
+    ///
+    /// Cloth and waist stay as they are; the rings between are lengthened in proportion to their distance from the waist. At a minimum over
+    /// `alpha` it is the derivative of the least energy. Central difference: right to about nine digits.
+    pub fn length_multiplier(&self, alpha: &DVector<f64>) -> Option<f64> {
+        // Truncation falls with the square of the step, rounding grows with its inverse: 1e-5 leaves both at 1e-10 of the result.
+        let step = 1e-5 * self.hem;
+        let energy = |by: f64| self.lengthened(by).budget(alpha).map(|budget| budget.gravity + budget.bending + budget.shear);
+        Some((energy(step)? - energy(-step)?) / (2.0 * step) / TAU)
+    }
+
+    /// The same cloth with its hem's radius grown by `by`, m.
+    fn lengthened(&self, by: f64) -> GradedShell {
+        let mut longer = self.clone();
+        // The growth of R per metre of slant, from the waist, which stays.
+        let slant = self.slices.iter().map(|slice| slice.weight).sum::<f64>();
+        longer.hem += by;
+        longer.growth += by / slant;
+        for slice in &mut longer.slices {
+            slice.ring += slice.fraction * by;
+        }
+        longer
     }
 
     /// a_k at the hem, for k = 1 … K: there s = 1 and every T_j is 1.
@@ -286,8 +316,8 @@ impl GradedShell {
                 let i = n * slices + q;
                 let cell = &cells[i];
                 let area = self.weights[n] * slice.weight;
-                let (k_gravity, k_bending) = (self.setup.weight * slice.below * area, 0.5 * self.setup.rigidity * slice.ring * area);
-                let k_shear = 0.5 * self.setup.shear * slice.ring * area;
+                let (k_gravity, k_bending) = (self.setup.weight * slice.below * area, 0.5 * self.setup.rigidity * slice.cloth * area);
+                let k_shear = 0.5 * self.setup.shear * slice.cloth * area;
                 let ring = slice.ring;
                 let ((x, y), (x2, y2), (c, inverse)) = (lean[i], bend[i], fall[i]);
                 let (p, r, cs) = (slope[i], twist[i], c_sigma[i]);
@@ -479,6 +509,20 @@ mod tests {
         let alpha = DVector::from_vec(vec![2.441794, -1.448642, 0.425606, -0.094354]);
         let budget = shell(HeightBasis::Polynomial, 1, 4, 0.0).budget(&alpha).unwrap();
         assert!((budget.gravity + budget.bending - 0.0033096787).abs() < 1e-10);
+    }
+
+    #[test]
+    fn length_multiplier_of_a_round_limp_cone_is_the_closed_form() {
+        // Without rigidity the cone's energy is weight·∫∫ below (1 − √(1 − g²)) dℓ dσ with g = (R_n − R_t)/L; its derivative by R_n over 2π:
+        let (waist, hem, slant, weight) = (0.121_f64, 0.2362_f64, 0.53_f64, 1.962);
+        let growth = (hem - waist) / slant;
+        let below = slant * slant * (0.5 * waist + (hem - waist) / 3.0);
+        let exact = weight * below * growth / (1.0 - growth * growth).sqrt() / slant;
+        let skirt = Skirt::new(Metre(waist), Metre(hem), Metre(slant)).unwrap();
+        let setup = Setup { rigidity: 0.0, ..*shell(HeightBasis::Polynomial, 1, 2, 0.0).setup() };
+        let found = GradedShell::new(&skirt, setup).length_multiplier(&DVector::zeros(2)).unwrap();
+        // Central differences keep nine digits.
+        assert!((found / exact - 1.0).abs() < 1e-8, "{found} {exact}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DVector, SymmetricEigen};
 
-use super::{Branch, Cloth, Folds, Prediction, TermEnergy, Termination, ruled};
+use super::{Branch, Cloth, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::Skirt;
 use crate::model::graded::{GradedShell, HeightBasis, Setup};
@@ -108,6 +108,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         let curve = best.curve();
         (prediction.hem_radius_min, prediction.hem_radius_max) = curve.radius_range();
         prediction.folds = best.branch.folds;
+        prediction.multiplier = best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" });
         prediction.energy = budget.gravity + budget.bending + budget.shear;
         prediction.terms = terms(budget.gravity, budget.bending, budget.shear, search.evaluations);
         prediction.coefficients = curve.coefficients().to_vec();
