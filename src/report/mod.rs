@@ -75,7 +75,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     let mut summary = serde_json::to_string_pretty(&summary::summary(study, &options.provenance))
         .map_err(|error| Error::Output { what: "summary.json".into(), why: error.to_string() })?;
     summary.push('\n');
-    let names: Vec<&str> = study.campaign.design.factors.iter().map(|f| f.name.as_str()).collect();
+    let factor_names: Vec<&str> = study.campaign.design.factors.iter().map(|f| f.name.as_str()).collect();
     let rows = || study.runs.iter().map(Into::into);
     let (regressions, factors) = (study.regressions.as_slice(), study.campaign.design.factors.as_slice());
     let ids: Vec<&str> = study.runs.iter().map(|run| run.run.id.as_str()).collect();
@@ -93,7 +93,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
         ("candidates.csv", table::candidates(rows()).bytes()),
         ("predictions.csv", table::predictions(&study.runs).bytes()),
         ("fidelities.csv", fidelities::runs(&study.fidelities).bytes()),
-        ("fidelity_summary.csv", fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &names).bytes()),
+        ("fidelity_summary.csv", fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &factor_names).bytes()),
         ("points.csv", table::points(rows()).bytes()),
         ("quarantine.csv", table::quarantine(&options.provenance.quarantine).bytes()),
         ("summary.json", summary.into_bytes()),
