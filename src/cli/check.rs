@@ -11,7 +11,6 @@ use crate::import;
 use crate::report::check::{annotations, baseline, json, junit, text};
 use crate::report::output;
 use crate::study::baseline::Baseline;
-use crate::study::campaign::{Measured, analyse};
 use crate::study::check::{Reference, check, conclusion};
 
 /// Check a campaign, as continuous integration would: one verdict for each question and each run, response or estimate.
@@ -73,16 +72,7 @@ pub fn run(args: &Check) -> Result<ExitCode, Error> {
             return Err(error);
         }
     };
-    imported.quarantine.iter().for_each(|row| eprintln!("set aside: {row}"));
-    let measured = Measured {
-        campaign: imported.campaign,
-        profiles: imported.profiles,
-        quarantine: imported.quarantine,
-        sources: imported.sources,
-        notes: imported.notes,
-    };
-    let bar = super::progress(measured.campaign.design.runs.len(), "Fitting");
-    let study = analyse(measured, &|| bar.inc(1));
+    let (study, bar) = super::analysed(imported);
     bar.finish_and_clear();
     let reference = match &args.baseline {
         None => Reference::None("give --baseline FILE".into()),

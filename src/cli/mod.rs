@@ -16,6 +16,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength, Shade};
+use crate::import::Imported;
+use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::CENTIMETRE;
 
 /// How cloth drapes: fits the hem curve to measured drape profiles, predicts the hem from cloth and cut, runs the factorial regression, and
@@ -67,6 +69,15 @@ fn progress(runs: usize, message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(runs as u64).with_style(style.progress_chars("━╸ "));
     bar.set_message(message);
     bar
+}
+
+/// Says what was set aside on reading, one sentence each, and analyses the rest; the progress bar goes on to what comes next.
+fn analysed(imported: Imported) -> (CampaignStudy, ProgressBar) {
+    imported.quarantine.iter().for_each(|row| eprintln!("set aside: {row}"));
+    let Imported { campaign, profiles, quarantine, sources, notes } = imported;
+    let bar = progress(campaign.design.runs.len(), "Fitting");
+    let study = analyse(Measured { campaign, profiles, quarantine, sources, notes }, &|| bar.inc(1));
+    (study, bar)
 }
 
 /// Writes to stdout. Somebody who closed the pipe (`hemline … | head`) has read enough: no fault.

@@ -11,7 +11,7 @@ use crate::import;
 use crate::report::number::fixed;
 use crate::report::{self, words};
 use crate::statistics::box_wilson::Analysis;
-use crate::study::campaign::{CampaignStudy, Measured, analyse};
+use crate::study::campaign::CampaignStudy;
 use crate::study::overview::overview;
 use crate::units::{MILLIMETRE, PERCENT};
 
@@ -53,18 +53,7 @@ impl Default for Run {
 /// Those of [`import::load`] and [`report::write`].
 pub fn run(args: &Run) -> Result<ExitCode, Error> {
     let imported = import::load(&args.campaign)?;
-    for row in &imported.quarantine {
-        eprintln!("set aside: {row}");
-    }
-    let measured = Measured {
-        campaign: imported.campaign,
-        profiles: imported.profiles,
-        quarantine: imported.quarantine,
-        sources: imported.sources,
-        notes: imported.notes,
-    };
-    let bar = super::progress(measured.campaign.design.runs.len(), "Fitting");
-    let study = analyse(measured, &|| bar.inc(1));
+    let (study, bar) = super::analysed(imported);
     bar.set_message("Writing the report");
     let provenance = report::Provenance {
         sources: study.sources.clone(),
