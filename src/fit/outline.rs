@@ -120,6 +120,10 @@ pub fn crossings(points: &[Point]) -> usize {
 
 /// How often the hem curve crosses itself; an upper bound, because a crossing of two folds is counted from both.
 pub fn hem_crossings(hem: &Hem) -> usize {
+    // One radius for each polar angle: nothing to cross.
+    if hem.q.abs() < hem.p && !hem.overhangs() {
+        return 0;
+    }
     // A crossing smaller than a hundredth of a fold is not seen.
     const NODES: usize = 128;
     let folds = hem.folds.max(1) as usize;
