@@ -55,12 +55,7 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
     let imported = import::load(&args.campaign)?;
     let (study, bar) = super::analysed(imported);
     bar.set_message("Writing the report");
-    let provenance = report::Provenance {
-        sources: study.sources.clone(),
-        quarantine: study.quarantine.clone(),
-        settings: settings(&study),
-        date: report::Date::from_environment(),
-    };
+    let provenance = report::Provenance { settings: settings(&study), date: report::Date::from_environment() };
     let options = report::Options { provenance, pictures: !args.no_pictures };
     let written = report::write(&study, &args.out, &options)?;
     bar.finish_and_clear();

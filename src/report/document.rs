@@ -50,7 +50,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "apparatus": apparatus(campaign.apparatus),
         "alpha": plain(campaign.alpha),
         "facts": facts(study, provenance),
-        "summary": story::summary(study, provenance),
+        "summary": story::summary(study),
         "multiples": gallery.keys().filter(|stem| stem.starts_with("all_runs_")).collect::<Vec<_>>(),
         "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
         "beyond": beyond::chapter(study),
@@ -61,7 +61,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "lambda-name": if runs::has_cloth(study) { "λ, N/m²" } else { "λ/(ρg)" },
         "foundation": plain(campaign.foundation_modulus),
         "fidelity": fidelity,
-        "quarantine": provenance.quarantine.iter().map(|q| json!([
+        "quarantine": study.quarantine.iter().map(|q| json!([
             q.run.clone().unwrap_or_default(),
             q.file.display().to_string(),
             q.row.map(|r| r.to_string()).unwrap_or_default(),
@@ -70,7 +70,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
             q.remedy,
         ])).collect::<Vec<_>>(),
         "settings": provenance.settings.iter().map(|(k, v)| json!([k, v])).collect::<Vec<_>>(),
-        "sources": provenance.sources.iter().map(|s| json!([s.file.display().to_string(), s.bytes.to_string(), s.digest])).collect::<Vec<_>>(),
+        "sources": study.sources.iter().map(|s| json!([s.file.display().to_string(), s.bytes.to_string(), s.digest])).collect::<Vec<_>>(),
     })
 }
 
@@ -105,7 +105,7 @@ fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
     fact("Hem length", hem_length(campaign.hem_length));
     fact("Gravity", format!("{} m/s²", plain(campaign.gravity)));
     fact("Significance level", plain(campaign.alpha));
-    match provenance.sources.as_slice() {
+    match study.sources.as_slice() {
         [] => (),
         sources => {
             let bytes: u64 = sources.iter().map(|s| s.bytes).sum();

@@ -30,16 +30,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub use date::Date;
 
 use crate::error::Error;
-use crate::experiment::{Quarantined, Source};
 use crate::study::campaign::CampaignStudy;
 
-/// Where the numbers come from: printed, never used.
+/// What is printed beside the study's own sources and quarantine, and never used.
 #[derive(Debug, Clone, Default)]
 pub struct Provenance {
-    /// The files that were read.
-    pub sources: Vec<Source>,
-    /// What was set aside.
-    pub quarantine: Vec<Quarantined>,
     /// Options of the program in words: (“Hem length”, “auto”).
     pub settings: Vec<(String, String)>,
     /// The date on the document; see [`Date::from_environment`].
@@ -95,7 +90,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
         ("fidelities.csv", fidelities::runs(&study.fidelities).bytes()),
         ("fidelity_summary.csv", fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &factor_names).bytes()),
         ("points.csv", table::points(rows()).bytes()),
-        ("quarantine.csv", table::quarantine(&options.provenance.quarantine).bytes()),
+        ("quarantine.csv", table::quarantine(&study.quarantine).bytes()),
         ("summary.json", summary.into_bytes()),
     ];
     let mut written = vec![];

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use crate::experiment::campaign::{Folds, HemLength};
-use crate::experiment::{Apparatus, Campaign, CheckRules, Design, DrapeProfile, Fabric, Factor, Point, Run, Skirt};
+use crate::experiment::{Apparatus, Campaign, CheckRules, Design, DrapeProfile, Fabric, Factor, Point, Quarantined, Run, Skirt, Source};
 use crate::statistics::box_wilson::Coefficient;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::{CENTIMETRE, GRAM_PER_SQUARE_METRE, KilogramPerSquareMetre, MICRONEWTON_METRE, Metre, NewtonMetre};
@@ -55,7 +55,26 @@ fn analysed() -> CampaignStudy {
     };
     let profiles = runs.iter().map(profile).collect();
     let notes = vec!["Sample of the tests.".into()];
-    analyse(Measured { campaign, profiles, quarantine: vec![], sources: vec![], notes }, &|| ())
+    let source = |i: u32| Source {
+        file: PathBuf::from(format!("data/profiles/run_{i:02}.csv")),
+        bytes: 4_000,
+        digest: format!("{:016x}", 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(u64::from(i))),
+    };
+    let measured = Measured {
+        campaign,
+        profiles,
+        sources: (1..=40).map(source).collect(),
+        quarantine: vec![Quarantined {
+            run: Some("17".into()),
+            file: "data/profiles/run_17.csv".into(),
+            row: Some(4),
+            value: "3 points".into(),
+            problem: "a profile of 3 distinct points #strong[markup] *is* text".into(),
+            remedy: "at least 12 points round the whole hem are needed".into(),
+        }],
+        notes,
+    };
+    analyse(measured, &|| ())
 }
 
 fn run(line: &str) -> Run {

@@ -25,14 +25,14 @@ pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "origin": campaign.origin,
         "apparatus": campaign.apparatus,
         "settings": settings,
-        "sources": provenance.sources,
+        "sources": study.sources,
         "factors": campaign.design.factors,
         "overview": overview(&study.runs),
         "runs": study.runs.iter().map(run).collect::<Vec<_>>(),
         "regressions": study.regressions.iter().map(regression).collect::<Vec<_>>(),
         "desirable": study.desirable.as_ref().and_then(|d| d.as_ref().ok()),
         "desirable_missing": study.desirable.as_ref().and_then(|d| d.as_ref().err()),
-        "quarantine": provenance.quarantine,
+        "quarantine": study.quarantine,
         "notes": study.notes,
     })
 }

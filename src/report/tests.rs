@@ -1,25 +1,9 @@
 //! What holds for a whole report, on the sample campaign.
 
-use std::path::PathBuf;
-
 use super::*;
 
 fn provenance() -> Provenance {
-    let source = |i: u32| Source {
-        file: PathBuf::from(format!("data/profiles/run_{i:02}.csv")),
-        bytes: 4_000,
-        digest: format!("{:016x}", 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(u64::from(i))),
-    };
     Provenance {
-        sources: (1..=40).map(source).collect(),
-        quarantine: vec![Quarantined {
-            run: Some("17".into()),
-            file: "data/profiles/run_17.csv".into(),
-            row: Some(4),
-            value: "3 points".into(),
-            problem: "a profile of 3 distinct points #strong[markup] *is* text".into(),
-            remedy: "at least 12 points round the whole hem are needed".into(),
-        }],
         settings: vec![("Hem length".into(), "auto".into()), ("Folds".into(), "auto".into())],
         date: Some(Date::from_epoch(1_709_251_199)),
     }

@@ -8,21 +8,21 @@ use crate::experiment::Apparatus;
 use crate::fit::Termination;
 use crate::report::note::SMALL_SHARE;
 use crate::report::number::{fixed, to_error, with_error};
-use crate::report::{Provenance, words};
+use crate::report::words;
 use crate::statistics::box_wilson::{Analysis, Coefficient, Verdict};
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::study::overview::{Overview, overview, spread};
 use crate::units::{MILLIMETRE, PERCENT};
 
 /// The parts of the summary page.
-pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
+pub fn summary(study: &CampaignStudy) -> Value {
     let seen = overview(&study.runs);
     json!({
         "measured": measured(study, &seen),
         "found": found(study, &seen),
         "verdicts": study.regressions.iter().filter_map(|r| Some(verdict_row(&r.response, r.analysis.as_ref().ok()?))).collect::<Vec<_>>(),
         "theory": seen.theory.as_ref().map_or_else(|| theory::missing(study), theory::words),
-        "cautions": cautions(study, provenance, &seen),
+        "cautions": cautions(study, &seen),
     })
 }
 
@@ -114,7 +114,7 @@ fn influences(analysis: &Analysis) -> String {
     if found.is_empty() { "none".into() } else { found.iter().map(name).collect::<Vec<_>>().join(", ") }
 }
 
-fn cautions(study: &CampaignStudy, provenance: &Provenance, seen: &Overview) -> Vec<String> {
+fn cautions(study: &CampaignStudy, seen: &Overview) -> Vec<String> {
     let mut said = vec![];
     let list =
         |pick: &dyn Fn(&RunStudy) -> bool| -> Vec<&str> { study.runs.iter().filter(|r| pick(r)).map(|r| r.run.id.as_str()).collect() };
@@ -122,8 +122,8 @@ fn cautions(study: &CampaignStudy, provenance: &Provenance, seen: &Overview) -> 
     if !aside.is_empty() {
         said.push(format!("Without a fit: {}.", named(&aside)));
     }
-    if !provenance.quarantine.is_empty() {
-        let (n, verb) = match provenance.quarantine.len() {
+    if !study.quarantine.is_empty() {
+        let (n, verb) = match study.quarantine.len() {
             1 => ("One thing".to_string(), "was"),
             many => (format!("{many} things"), "were"),
         };

@@ -83,17 +83,7 @@ fn paint(area: &Area<'_>, view: &View) -> Drawn {
     let plot = sheet::part(area, 0.0, top, left + side, side + below);
     let half = 1.06 * view.reach() / CENTIMETRE;
     let (cx, cy) = (view.centre.x / CENTIMETRE, view.centre.y / CENTIMETRE);
-    let frame = Frame {
-        x: (cx - half, cx + half),
-        y: (cy - half, cy + half),
-        x_label: "x, cm",
-        y_label: "y, cm",
-        x_ticks: 7,
-        y_ticks: 7,
-        left,
-        below,
-        ..Frame::default()
-    };
+    let frame = Frame { left, below, ..Frame::plan((cx, cy), half) };
     let mut hem = chart(&plot, &frame)?;
     let magnified = whiskers(&mut hem, view)?;
     if view.is_dense() {

@@ -32,17 +32,7 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
     let side = WIDTH - left - 2.0;
     let plot = sheet::part(area, 0.0, top, left + side, side + below);
     let half = 1.08 * skirt.hem_radius().0 / CENTIMETRE;
-    let frame = Frame {
-        x: (-half, half),
-        y: (-half, half),
-        x_label: "x, cm",
-        y_label: "y, cm",
-        x_ticks: 7,
-        y_ticks: 7,
-        left,
-        below,
-        ..Frame::default()
-    };
+    let frame = Frame { left, below, ..Frame::plan((0.0, 0.0), half) };
     let mut axes = chart(&plot, &frame)?;
     let circle = |radius: f64| -> Vec<(f64, f64)> {
         (0..=240).map(|i| TAU * f64::from(i) / 240.0).map(|a| (radius * a.cos() / CENTIMETRE, radius * a.sin() / CENTIMETRE)).collect()

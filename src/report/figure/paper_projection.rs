@@ -40,17 +40,7 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
     let side = WIDTH - left - 2.0;
     let plot = sheet::part(area, 0.0, top, left + side, side + below);
     let half = 1.12 * hem.radius_range().1 / CENTIMETRE;
-    let frame = Frame {
-        x: (-half, half),
-        y: (-half, half),
-        x_label: "x, cm",
-        y_label: "y, cm",
-        x_ticks: 7,
-        y_ticks: 7,
-        left,
-        below,
-        ..Frame::default()
-    };
+    let frame = Frame { left, below, ..Frame::plan((0.0, 0.0), half) };
     let mut axes = chart(&plot, &frame)?;
     let waist = skirt.waist_radius().0 / CENTIMETRE;
     dashed(&mut axes, &circle(waist), line(GREY, 0.3), 1.4, 0.9)?;

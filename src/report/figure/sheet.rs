@@ -155,6 +155,21 @@ pub struct Frame<'t> {
     pub y_names: Option<&'t dyn Fn(f64) -> String>,
 }
 
+impl Frame<'_> {
+    /// A plan view in cm: `half` to each side of the centre.
+    pub fn plan((cx, cy): (f64, f64), half: f64) -> Self {
+        Frame {
+            x: (cx - half, cx + half),
+            y: (cy - half, cy + half),
+            x_label: "x, cm",
+            y_label: "y, cm",
+            x_ticks: 7,
+            y_ticks: 7,
+            ..Frame::default()
+        }
+    }
+}
+
 impl Default for Frame<'_> {
     fn default() -> Self {
         Frame {
