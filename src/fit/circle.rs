@@ -3,6 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::experiment::Point;
+use crate::numerics::lanes::{Lanes, WIDTH};
+use crate::vectorized;
 
 /// A fitted circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,30 +22,79 @@ pub struct Circle {
 /// Gauss–Newton from the centroid; quadratic-like convergence because the residuals are linear in all but the direction.
 pub fn fit(points: &[Point]) -> Circle {
     let n = points.len() as f64;
-    let mut x0 = points.iter().map(|p| p.x).sum::<f64>() / n;
-    let mut y0 = points.iter().map(|p| p.y).sum::<f64>() / n;
-    let mut radius = points.iter().map(|p| (p.x - x0).hypot(p.y - y0)).sum::<f64>() / n;
+    // About the mean point, so that a far origin costs no digits of the squares.
+    let o = points[0];
+    let middle =
+        Point::new(o.x + points.iter().map(|p| p.x - o.x).sum::<f64>() / n, o.y + points.iter().map(|p| p.y - o.y).sum::<f64>() / n);
+    let blocks: Vec<Block> = points.chunks(WIDTH).map(|chunk| Block::new(chunk, middle)).collect();
+    let (mut x0, mut y0, mut radius) = (0.0, 0.0, sums(&blocks, 0.0, 0.0, 0.0).right[2] / n);
     let mut inverse = 0.0;
     for _ in 0..50 {
-        let mut normal = Matrix3::<f64>::zeros();
-        let mut right = Vector3::<f64>::zeros();
-        for point in points {
-            let (dx, dy) = (point.x - x0, point.y - y0);
-            let r = dx.hypot(dy).max(f64::MIN_POSITIVE);
-            let row = Vector3::new(dx / r, dy / r, 1.0);
-            normal += row * row.transpose();
-            right += row * (r - radius);
-        }
+        let Sums { normal, right, .. } = sums(&blocks, x0, y0, radius);
         let Some(factor) = normal.cholesky() else { break };
         inverse = factor.inverse()[(2, 2)];
         let step = factor.solve(&right);
         x0 += step[0];
         y0 += step[1];
         radius += step[2];
-        if step.amax() <= 1e-15 * radius {
+        // The sum of squares is right to the square of what is left.
+        if step.amax() <= 1e-9 * radius {
             break;
         }
     }
-    let sum_of_squares: f64 = points.iter().map(|p| ((p.x - x0).hypot(p.y - y0) - radius).powi(2)).sum();
-    Circle { x0, y0, radius, sum_of_squares, radius_error: (sum_of_squares / (n - 3.0) * inverse).sqrt() }
+    let sum_of_squares = sums(&blocks, x0, y0, radius).square;
+    Circle { x0: middle.x + x0, y0: middle.y + y0, radius, sum_of_squares, radius_error: (sum_of_squares / (n - 3.0) * inverse).sqrt() }
+}
+
+/// Eight points; lanes without a point weigh nothing.
+struct Block {
+    x: Lanes,
+    y: Lanes,
+    weight: Lanes,
+}
+
+impl Block {
+    fn new(points: &[Point], origin: Point) -> Block {
+        let at = |lane: usize| points.get(lane).unwrap_or(&points[0]);
+        Block {
+            x: Lanes(std::array::from_fn(|lane| at(lane).x - origin.x)),
+            y: Lanes(std::array::from_fn(|lane| at(lane).y - origin.y)),
+            weight: Lanes(std::array::from_fn(|lane| f64::from(u8::from(lane < points.len())))),
+        }
+    }
+}
+
+/// Normal matrix, right-hand side and sum of squares of the distances from one circle.
+struct Sums {
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+    square: f64,
+}
+
+vectorized! {
+    fn sums(blocks: &[Block], x0: f64, y0: f64, radius: f64) -> Sums {
+        let mut normal = [Lanes::ZERO; 6];
+        let mut right = [Lanes::ZERO; 3];
+        let mut square = Lanes::ZERO;
+        for Block { x, y, weight } in blocks {
+            let (dx, dy) = (*x - x0, *y - y0);
+            let r = (dx * dx + dy * dy).sqrt().max(Lanes::all(f64::MIN_POSITIVE));
+            let (inverse, w) = (*weight / r, *weight);
+            let (u, v) = (dx * inverse, dy * inverse);
+            let distance = w * (r - radius);
+            for (sum, value) in normal.iter_mut().zip([u * u, u * v, v * v, u, v, w]) {
+                *sum = *sum + value;
+            }
+            for (sum, value) in right.iter_mut().zip([u, v, w]) {
+                *sum = *sum + value * distance;
+            }
+            square = square + distance * distance;
+        }
+        let [uu, uv, vv, u, v, w] = normal.map(Lanes::sum);
+        Sums {
+            normal: Matrix3::new(uu, uv, u, uv, vv, v, u, v, w),
+            right: Vector3::from(right.map(Lanes::sum)),
+            square: square.sum(),
+        }
+    }
 }

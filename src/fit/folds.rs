@@ -5,9 +5,10 @@ use std::f64::consts::{PI, TAU};
 use super::circle::{self, Circle};
 use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
-use super::outline::{Outline, smooth};
+use super::outline::smooth;
 use super::start::{Start, matched};
-use super::trial::{Reached, Trial, Work};
+use super::swift::{self, Swift};
+use super::trial::{Reached, Trial, Work, agrees};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
@@ -63,6 +64,9 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
         )));
     }
     let to = to.min(seen);
+    if let Some(fit) = swiftly(points, from..=to, seen, options) {
+        return Ok(fit);
+    }
     let outline = smooth(profile);
     let work = Work::new(points, &outline, options);
     let round = circle::fit(points);
@@ -72,18 +76,34 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
         trials = work_through(&work, points.len(), from..=to);
     }
     if let Folds::Among { .. } = options.folds {
-        trials.insert(0, Trial::round(&round, points, &outline));
+        trials.insert(0, Trial::round(&round, points, outline.length));
     }
     let evaluations = trials.iter().map(|t| t.evaluations).sum();
 
-    let Some((best, candidates)) = choose(trials, &work, points.len() as f64) else {
+    let Some((best, candidates)) = choose(trials, &|trial| work.apart(trial), points.len() as f64) else {
         let tried = if from == to { format!("{from} folds") } else { format!("{from} to {to} folds") };
         return Err(Error::Unanswerable(format!(
             "no sane curve with {tried}: every fit leaves the outline's order or length, crosses itself, or strays from the outline"
         )));
     };
-    let notes = notes(options, &outline, &work, points.len(), seen);
-    Ok(outcome(best, candidates, &round, &outline, evaluations, notes))
+    let notes = notes(options, outline.length, points.len(), seen);
+    Ok(outcome(best, candidates, &round, outline.length, evaluations, notes))
+}
+
+/// The fit where the outline is a hem curve and noise beyond doubt.
+fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, seen: u32, options: &Options) -> Option<HemFit> {
+    if matches!(options.length, HemLength::Held(_)) {
+        return None;
+    }
+    let Swift { mut trials, outline_length } = swift::fit(points, folds, options.solver.gradient_tolerance)?;
+    let round = circle::fit(points);
+    if let Folds::Among { .. } = options.folds {
+        trials.insert(0, Trial::round(&round, points, outline_length));
+    }
+    let evaluations = trials.iter().map(|t| t.evaluations).sum();
+    let (best, candidates) = choose(trials, &|_| f64::INFINITY, points.len() as f64)?;
+    let notes = notes(options, outline_length, points.len(), seen);
+    Some(outcome(best, candidates, &round, outline_length, evaluations, notes))
 }
 
 /// Every fold count tried, ascending: on about `enough` points, the best of them then on all.
@@ -130,7 +150,9 @@ fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>
 }
 
 /// The most credible sane trial, and all of them with their weights; `None` if none is sane.
-fn choose(trials: Vec<Trial>, work: &Work, n: f64) -> Option<(Trial, Vec<Candidate>)> {
+///
+/// `apart` is how far a curve and the outline are apart when matched in order, both ways, m.
+fn choose(trials: Vec<Trial>, apart: &dyn Fn(&Trial) -> f64, n: f64) -> Option<(Trial, Vec<Candidate>)> {
     let best_by = |criterion: &dyn Fn(&Trial) -> f64| {
         let sane = trials.iter().enumerate().filter(|(_, t)| t.sane());
         sane.map(|(i, t)| (i, criterion(t))).min_by(|a, b| a.1.total_cmp(&b.1))
@@ -143,7 +165,7 @@ fn choose(trials: Vec<Trial>, work: &Work, n: f64) -> Option<(Trial, Vec<Candida
         Vec::new()
     } else {
         // A circle is out of the question where folds had to be held to their length.
-        trials.iter().map(|t| if t.sane() && t.folds != 0 { t.aicc(work.apart(t), n) } else { f64::INFINITY }).collect()
+        trials.iter().map(|t| if t.sane() && t.folds != 0 { t.aicc(apart(t), n) } else { f64::INFINITY }).collect()
     };
     let criterion = |i: usize| if matched.is_empty() { near(&trials[i]) } else { matched[i] };
     let considered = |i: &usize| trials[*i].sane() && criterion(*i).is_finite();
@@ -166,7 +188,7 @@ fn choose(trials: Vec<Trial>, work: &Work, n: f64) -> Option<(Trial, Vec<Candida
     Some((best, candidates))
 }
 
-fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen: u32) -> Vec<String> {
+fn notes(options: &Options, outline_length: f64, points: usize, seen: u32) -> Vec<String> {
     let mut notes = Vec::new();
     if let Folds::Among { to, .. } = options.folds
         && seen < to
@@ -174,9 +196,9 @@ fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen:
         notes.push(format!("{points} points round the outline cannot show more than {seen} folds"));
     }
     if let (HemLength::Auto, Some(cut)) = (options.length, options.cut_length)
-        && !work.agrees(cut)
+        && !agrees(outline_length, cut)
     {
-        let percent = 100.0 * (outline.length / cut - 1.0);
+        let percent = 100.0 * (outline_length / cut - 1.0);
         notes.push(format!(
             "the outline is {:.1} % {} than the hem was cut (tilted hem, wrong scale or missing cloth?): its own length counts",
             percent.abs(),
@@ -186,11 +208,18 @@ fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen:
     notes
 }
 
+/// An angle in [0, 2π).
+fn wrapped(t: f64) -> f64 {
+    let once = if t < 0.0 { t + TAU } else { t };
+    // The remainder proper is slow, and hardly ever needed.
+    if (0.0..TAU).contains(&once) { once } else { t.rem_euclid(TAU) }
+}
+
 fn outcome(
     best: Trial,
     candidates: Vec<Candidate>,
     round: &Circle,
-    outline: &Outline,
+    outline_length: f64,
     evaluations: usize,
     mut notes: Vec<String>,
 ) -> HemFit {
@@ -199,7 +228,7 @@ fn outcome(
     let (hem, placement) = best.hem.canonical(best.placement);
     // Canonical form moves the crest, and with it the origin of t.
     let turned = best.placement.phase - placement.phase + if best.hem.p < 0.0 { PI } else { 0.0 };
-    let feet = best.feet.iter().map(|t| (t + turned).rem_euclid(TAU)).collect();
+    let feet = best.feet.iter().map(|t| wrapped(t + turned)).collect();
     let covariance = match best.covariance {
         // q → −q turns its covariances with p and s.
         Ok(c) if (best.hem.q < 0.0) != (best.hem.p < 0.0) => {
@@ -229,7 +258,7 @@ fn outcome(
         perimeter: if folded { hem.perimeter() } else { TAU * hem.p },
         area: hem.area(),
         fold_depth: high - low,
-        outline_length: outline.length,
+        outline_length,
         explained: (1.0 - best.sum_of_squares / round.sum_of_squares).clamp(0.0, 1.0),
         held: best.held,
         termination: best.termination,

@@ -10,6 +10,7 @@ pub mod outcome;
 pub mod outline;
 pub mod rules;
 pub mod start;
+mod swift;
 mod trial;
 
 pub use folds::{Options, fit};

@@ -55,7 +55,7 @@ pub(super) struct Trial {
 
 impl Trial {
     /// The hem without folds; an outline much longer than its circle is none.
-    pub(super) fn round(round: &Circle, points: &[Point], outline: &Outline) -> Trial {
+    pub(super) fn round(round: &Circle, points: &[Point], outline_length: f64) -> Trial {
         let distances: Vec<f64> = points.iter().map(|p| (p.x - round.x0).hypot(p.y - round.y0) - round.radius).collect();
         let hem = Hem { p: round.radius, q: 0.0, s: 0.0, folds: 0 };
         Trial {
@@ -69,7 +69,7 @@ impl Trial {
             parameters: 3,
             held: None,
             termination: Termination::NoFolds,
-            broken: (TAU * round.radius * (1.0 + LENGTH_SLACK) < outline.length).then_some(Rule::Length),
+            broken: (TAU * round.radius * (1.0 + LENGTH_SLACK) < outline_length).then_some(Rule::Length),
             covariance: Ok([[round.radius_error * round.radius_error, 0.0, 0.0], [0.0; 3], [0.0; 3]]),
             evaluations: 1,
             matched: None,
@@ -111,6 +111,40 @@ impl Trial {
         }
     }
 
+    /// A fold count set aside by the swift path: no curve of it comes nearer than `rms`, m.
+    pub(super) fn left_aside(folds: u32, rms: f64) -> Trial {
+        let start = Start { hem: Hem { p: 0.0, q: 0.0, s: 0.0, folds }, placement: Placement::ORIGIN, offset: 0.0, rms };
+        Trial::not_pursued(&start, rms)
+    }
+
+    /// A certified free optimum of the swift path.
+    pub(super) fn swift(
+        hem: Hem,
+        placement: Placement,
+        feet: Vec<f64>,
+        distances: Vec<f64>,
+        sum_of_squares: f64,
+        covariance: [[f64; 3]; 3],
+        evaluations: usize,
+    ) -> Trial {
+        Trial {
+            folds: hem.folds,
+            hem,
+            placement,
+            feet,
+            offset: 0.0,
+            distances,
+            sum_of_squares,
+            parameters: UNKNOWNS.len(),
+            held: None,
+            termination: Termination::Converged,
+            broken: None,
+            covariance: Ok(covariance),
+            evaluations,
+            matched: None,
+        }
+    }
+
     /// Akaike's criterion for n points at this rms distance (m), corrected for few of them (Hurvich & Tsai, Biometrika 76 (1989) 297–307).
     pub(super) fn aicc(&self, rms: f64, n: f64) -> f64 {
         let k = self.parameters as f64 + 1.0;
@@ -140,6 +174,11 @@ impl Reached {
             _ => self.apart = self.apart.min(work.apart(trial)),
         }
     }
+}
+
+/// Whether the outline is as long as the cloth was cut: not if the hem rises and falls, or the scale is wrong.
+pub(super) fn agrees(outline_length: f64, cut: f64) -> bool {
+    (outline_length / cut - 1.0).abs() <= CUT_SLACK
 }
 
 /// What every fold count of one outline is tried with.
@@ -216,9 +255,8 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Whether the outline is as long as the cloth was cut: not if the hem rises and falls, or the scale is wrong.
-    pub(super) fn agrees(&self, cut: f64) -> bool {
-        (self.outline.length / cut - 1.0).abs() <= CUT_SLACK
+    fn agrees(&self, cut: f64) -> bool {
+        agrees(self.outline.length, cut)
     }
 
     /// The best sane curve of one fold count: free if that is sane, else at the held length, else at the held length and in order.

@@ -4,10 +4,13 @@
 //! In complex notation, with `h = ρ + iτ` in the frame that turns with `e_r`, every derivative is one step of `h ↦ h' + ih`.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use serde::Serialize;
 
 use crate::experiment::Point;
+use crate::numerics::lanes::{Lanes, WIDTH};
+use crate::vectorized;
 
 /// p, q, s (m) and the fold count m of the hem curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -119,41 +122,17 @@ impl Hem {
     ///
     /// A deeply folded curve gets the nodes it needs; one that nearly stands still somewhere converges algebraically, and gets 2¹⁴ a fold at most.
     pub fn perimeter_to(&self, tolerance: f64) -> (f64, [f64; 3]) {
-        let mut nodes = 32;
-        let mut mean = self.perimeter_mean(nodes, 0.0);
-        loop {
-            // The nodes between: the mean of both rules is the rule of twice the nodes.
-            let between = self.perimeter_mean(nodes, 0.5);
-            let next: [f64; 4] = std::array::from_fn(|j| 0.5 * (mean[j] + between[j]));
-            nodes *= 2;
-            let change = (next[0] - mean[0]).abs() / next[0].abs().max(f64::MIN_POSITIVE);
-            mean = next;
-            if change < tolerance || 1 << 14 <= nodes || !mean[0].is_finite() {
+        let mut last = f64::INFINITY;
+        for level in 0.. {
+            let mean = perimeter_mean(self, midpoints(level));
+            let change = (mean[0] - last).abs() / mean[0].abs().max(f64::MIN_POSITIVE);
+            last = mean[0];
+            if change < tolerance || level + 1 == LEVELS || !mean[0].is_finite() {
                 let [length, by_p, by_q, by_s] = mean.map(|value| TAU * value);
                 return (length, [by_p, by_q, by_s]);
             }
         }
-    }
-
-    /// Means of |c'| and of its derivatives by p, q, s over one fold (all are alike): `nodes` even nodes, shifted by a share of their step.
-    fn perimeter_mean(&self, nodes: usize, shift: f64) -> [f64; 4] {
-        let m = f64::from(self.folds.max(1));
-        let mut sum = [0.0; 4];
-        for i in 0..nodes {
-            let (sin_fold, cos_fold) = (TAU * (i as f64 + shift) / nodes as f64).sin_cos();
-            let sin_lean = 2.0 * sin_fold * cos_fold;
-            let cos_lean = 1.0 - 2.0 * sin_fold * sin_fold;
-            let radial = -m * self.q * sin_fold - self.s * sin_lean;
-            let tangential = self.p + self.q * cos_fold + 2.0 * m * self.s * cos_lean;
-            let speed = (radial * radial + tangential * tangential).sqrt();
-            sum[0] += speed;
-            if 0.0 < speed {
-                sum[1] += tangential / speed;
-                sum[2] += (-m * sin_fold * radial + cos_fold * tangential) / speed;
-                sum[3] += (-sin_lean * radial + 2.0 * m * cos_lean * tangential) / speed;
-            }
-        }
-        sum.map(|value| value / nodes as f64)
+        unreachable!("the last level returns")
     }
 
     /// Least and greatest distance from the centre, m.
@@ -165,12 +144,15 @@ impl Hem {
         // d(r²)/dc; bracket its sign changes on a grid and bisect, which no multiple root can upset.
         let slope = |c: f64| 2.0 * self.q * (self.p + self.q * c) + 8.0 * self.s * self.s * c * (1.0 - 2.0 * c * c);
         const CELLS: usize = 64;
+        let mut before = slope(-1.0);
         for i in 0..CELLS {
             let (mut a, mut b) = (-1.0 + 2.0 * i as f64 / CELLS as f64, -1.0 + 2.0 * (i + 1) as f64 / CELLS as f64);
-            if slope(a) * slope(b) <= 0.0 {
+            let (at_a, at_b) = (before, slope(b));
+            before = at_b;
+            if at_a * at_b <= 0.0 {
                 for _ in 0..60 {
                     let mid = 0.5 * (a + b);
-                    if slope(a) * slope(mid) <= 0.0 { b = mid } else { a = mid }
+                    if at_a * slope(mid) <= 0.0 { b = mid } else { a = mid }
                 }
                 let r = radius(0.5 * (a + b));
                 low = low.min(r);
@@ -209,6 +191,47 @@ impl Hem {
             phase = 0.0;
         }
         (hem, Placement { phase, ..placement })
+    }
+}
+
+/// Levels of the midpoint rule: 32, 64, … 2¹⁴ nodes a fold.
+const LEVELS: usize = 10;
+
+/// cos mt and sin mt at the midpoints of half a fold (the other half is its mirror image), 16 · 2^level of them.
+fn midpoints(level: usize) -> &'static [(Lanes, Lanes)] {
+    static NODES: [OnceLock<Vec<(Lanes, Lanes)>>; LEVELS] = [const { OnceLock::new() }; LEVELS];
+    NODES[level].get_or_init(|| {
+        let count = 16 << level;
+        let angle = |i: usize| PI * (i as f64 + 0.5) / count as f64;
+        let block = |b: usize| -> (Lanes, Lanes) {
+            let angles: [f64; WIDTH] = std::array::from_fn(|lane| angle(WIDTH * b + lane));
+            (Lanes(angles.map(f64::cos)), Lanes(angles.map(f64::sin)))
+        };
+        (0..count / WIDTH).map(block).collect()
+    })
+}
+
+vectorized! {
+    /// Means of |c'| and of its derivatives by p, q, s over half a fold: all are alike, and mirror images of each other.
+    fn perimeter_mean(hem: &Hem, nodes: &[(Lanes, Lanes)]) -> [f64; 4] {
+        let m = f64::from(hem.folds.max(1));
+        let mut sums = [Lanes::ZERO; 4];
+        for &(cos_fold, sin_fold) in nodes {
+            let sin_lean = 2.0 * (sin_fold * cos_fold);
+            let cos_lean = 1.0 - 2.0 * (sin_fold * sin_fold);
+            let radial = -((m * hem.q) * sin_fold + hem.s * sin_lean);
+            let tangential = hem.p + hem.q * cos_fold + (2.0 * m * hem.s) * cos_lean;
+            let speed = (radial * radial + tangential * tangential).sqrt();
+            // Where the curve stands still it has no direction; both components are zero there.
+            let inverse = 1.0 / speed.max(Lanes::all(f64::MIN_POSITIVE));
+            let (ur, ut) = (radial * inverse, tangential * inverse);
+            sums[0] = sums[0] + speed;
+            sums[1] = sums[1] + ut;
+            sums[2] = sums[2] + (cos_fold * ut - m * (sin_fold * ur));
+            sums[3] = sums[3] + ((2.0 * m) * (cos_lean * ut) - sin_lean * ur);
+        }
+        let count = (WIDTH * nodes.len()) as f64;
+        sums.map(|sum| sum.sum() / count)
     }
 }
 

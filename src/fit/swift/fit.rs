@@ -1,0 +1,284 @@
+//! One fold count, fitted from a start by Newton steps of curve and feet together.
+
+use std::f64::consts::PI;
+
+use super::super::foot_point::{Centred, Foot, nearest_within};
+use super::kernel::{Blocks, Curve, Sums, UNKNOWNS, evaluate};
+use crate::model::hem::Hem;
+use crate::numerics::lanes::{Lanes, WIDTH};
+
+/// Evaluations after which a fit that has not converged is left to the careful path.
+const LIMIT: usize = 30;
+/// Below this cosine of residual and Jacobian the step takes the exact second derivatives: Gauss–Newton, which leaves a hundredth each time, has
+/// brought the curve so near that Newton squares what is left.
+const NEAR: f64 = 1e-2;
+
+/// Below this cosine the second derivatives of the step before are good enough for the last one.
+const ENOUGH: f64 = 1e-5;
+
+/// When and how to stop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wish {
+    /// Largest cosine between the residuals and a column of the Jacobian.
+    pub gradient_tolerance: f64,
+    /// Take off the shift that noise makes of the curvature.
+    pub bias_correction: bool,
+    /// A fit that cannot come below this sum of squares is of no interest, m².
+    pub beaten: f64,
+}
+
+/// How a fit ended.
+pub(super) enum Ended {
+    /// At a minimum (of the corrected equations, if asked).
+    Converged(Optimum),
+    /// No minimum below the sum of squares of interest is near.
+    Beaten { sum_of_squares: f64 },
+    /// Neither: the careful path knows what to do.
+    Lost,
+}
+
+/// A minimum.
+pub(super) struct Optimum {
+    pub curve: Curve,
+    pub sums: Sums,
+    /// Noise variance whose shift was taken off, m²; 0 if none was.
+    pub noise_variance: f64,
+    pub evaluations: usize,
+}
+
+/// Rounds of looking for nearer feet. Feet that move lower the sum of squares, so this ends; in practice after one round.
+const LOOKS: usize = 5;
+
+/// Fits from `start`.
+pub(super) fn fit(all: &mut Blocks, start: &Curve, wish: &Wish) -> Ended {
+    let mut evaluations = 0;
+    // Plain Gauss–Newton first; a start that it leaves uphill is tried again with damping.
+    for damping in [0.0, 0.1] {
+        all.feet_by_angle(start);
+        let mut ended = descend(all, start, wish, damping, &mut evaluations);
+        for _ in 0..LOOKS {
+            let Ended::Converged(optimum) = &ended else { break };
+            if !look_again(all, &optimum.curve) {
+                return ended;
+            }
+            let curve = optimum.curve;
+            ended = descend(all, &curve, wish, 0.0, &mut evaluations);
+        }
+        if let Ended::Beaten { .. } = ended {
+            return ended;
+        }
+    }
+    Ended::Lost
+}
+
+/// Whether some point has a nearer foot within half a fold of its own; moves those feet.
+///
+/// Only points further out than the curve's reach can have one.
+fn look_again(all: &mut Blocks, curve: &Curve) -> bool {
+    let hem = &curve.hem;
+    let window = PI / f64::from(hem.folds);
+    let reach = reach(hem);
+    let mut moved = false;
+    for i in 0..all.count {
+        let block = &mut all.blocks[i / WIDTH];
+        let lane = i % WIDTH;
+        if block.distance.0[lane].abs() < reach {
+            continue;
+        }
+        let (dx, dy) = (block.x.0[lane] - curve.x0, block.y.0[lane] - curve.y0);
+        let point = Centred { x: dx * curve.cos + dy * curve.sin, y: dy * curve.cos - dx * curve.sin };
+        let t = block.sin.0[lane].atan2(block.cos.0[lane]);
+        let here = Foot::at(hem, point, t);
+        let found = nearest_within(hem, point, t - window, t + window, 16);
+        if found.square() < here.square() * (1.0 - 1e-6) - 1e-18 && (found.t - t).abs() <= window {
+            let (sin, cos) = found.t.sin_cos();
+            (block.cos.0[lane], block.sin.0[lane]) = (cos, sin);
+            moved = true;
+        }
+    }
+    if moved {
+        for block in &mut all.blocks {
+            block.step = Lanes::ZERO;
+            block.by = [Lanes::ZERO; UNKNOWNS];
+        }
+    }
+    moved
+}
+
+/// A lower bound of the reach of the curve within half a fold either way, m: a point nearer to it than this has one nearest point only.
+///
+/// The reach is the least of |c(u) − c(t)|² / 2 |n(t)·(c(u) − c(t))| (Federer, Trans. Amer. Math. Soc. 93 (1959) 418–491), here over nodes.
+fn reach(hem: &Hem) -> f64 {
+    /// Nodes in half a fold, and what they may overestimate the reach by.
+    const NODES: usize = 24;
+    const SAFETY: f64 = 0.7;
+    let step = PI / (f64::from(hem.folds) * NODES as f64);
+    // Half a fold to be touched, and half a fold before and after it.
+    let nodes: [(f64, f64, f64, f64); 3 * NODES + 1] = std::array::from_fn(|i| {
+        let t = step * (i as f64 - NODES as f64);
+        let (sin, cos) = t.sin_cos();
+        let local = hem.local(t);
+        let ((rho, tau), (vr, vt)) = (local.position, local.velocity);
+        let speed = (vr * vr + vt * vt).sqrt();
+        let (nr, nt) = (vt / speed, -vr / speed);
+        (rho * cos - tau * sin, rho * sin + tau * cos, nr * cos - nt * sin, nr * sin + nt * cos)
+    });
+    let mut least = f64::INFINITY;
+    for i in NODES..=2 * NODES {
+        let (x, y, nx, ny) = nodes[i];
+        for &(u, v, _, _) in &nodes[i - NODES..=i + NODES] {
+            let (dx, dy) = (u - x, v - y);
+            let (square, away) = (dx * dx + dy * dy, 2.0 * (nx * dx + ny * dy).abs());
+            // Divided once, at the end of the comparison.
+            if square < least * away {
+                least = square / away;
+            }
+        }
+    }
+    SAFETY * least
+}
+
+fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evaluations: &mut usize) -> Ended {
+    let mut curve = *start;
+    let mut change = [0.0; UNKNOWNS];
+    let mut last = f64::INFINITY;
+    let mut noise_variance = 0.0;
+    let mut factor: Option<Triangle> = None;
+    let mut curved = false;
+    // The curve's size over the rounding of a coordinate difference.
+    let rounding = 32.0 * f64::EPSILON * (curve.hem.p + curve.hem.q.abs());
+    for round in 0..LIMIT {
+        let sums = evaluate(all, &curve, &change, 0.5 * noise_variance, curved);
+        *evaluations += 1;
+        if !sums.square.is_finite() {
+            return Ended::Lost;
+        }
+        let norm = sums.square.sqrt();
+        let steepest = (0..UNKNOWNS).map(|k| sums.gradient[k].abs() / sums.normal[k][k].sqrt()).fold(0.0, f64::max);
+        let cosine = steepest / norm.max(f64::MIN_POSITIVE);
+        if factor.is_none() && NEAR <= cosine {
+            if 3 <= round && last < sums.square {
+                return Ended::Lost;
+            }
+            // What the linear model promises says whether this fold count can still come into question.
+            if wish.beaten < sums.square && 4 <= round && 0.98 * last < sums.square {
+                return Ended::Beaten { sum_of_squares: sums.square };
+            }
+        }
+        let at_rest = sums.slip <= (wish.gradient_tolerance * norm).powi(2) + (rounding * rounding) * all.count as f64;
+        let settled = steepest <= wish.gradient_tolerance * norm + rounding;
+        let noise = if wish.bias_correction { noise_variance_of(all) } else { 0.0 };
+        let same_noise = (noise - noise_variance).abs() <= 1e-9 * noise;
+        if settled && at_rest && same_noise && (factor.is_some() || curved && cholesky(&sums.hessian, 0.0).is_some()) {
+            return Ended::Converged(Optimum { curve, sums, noise_variance, evaluations: *evaluations });
+        }
+        if cosine < NEAR && wish.beaten < sums.square {
+            return Ended::Beaten { sum_of_squares: sums.square };
+        }
+        if curved && cosine < NEAR {
+            // Not positive definite: a saddle, or not yet near.
+            factor = cholesky(&sums.hessian, 0.0);
+        }
+        // A step of Newton squares what is left: two of them from 1e-3, and the last needs no derivatives any more.
+        curved = (ENOUGH..10.0 * NEAR).contains(&cosine);
+        if cosine < NEAR || factor.is_some() {
+            noise_variance = noise;
+        }
+        let step = match &factor {
+            Some(triangle) => triangle.solve(&sums.gradient),
+            None => match cholesky(&sums.normal, damping) {
+                Some(triangle) => triangle.solve(&sums.gradient),
+                None => return Ended::Lost,
+            },
+        };
+        damping *= 0.2;
+        last = sums.square;
+        change = step;
+        curve.x0 += step[0];
+        curve.y0 += step[1];
+        let (sin, cos) = step[2].sin_cos();
+        (curve.cos, curve.sin) = (curve.cos * cos - curve.sin * sin, curve.sin * cos + curve.cos * sin);
+        curve.hem.p += step[3];
+        curve.hem.q += step[4];
+        curve.hem.s += step[5];
+    }
+    Ended::Lost
+}
+
+/// The noise in the corrected distances: their mean square with its degrees of freedom, or that of their differences along the outline if it is
+/// less (von Neumann, Annals of Mathematical Statistics 12 (1941) 367–395): a smooth misfit is not noise.
+fn noise_variance_of(all: &Blocks) -> f64 {
+    let (squares, differences) = super::kernel::spread(all);
+    let n = all.count as f64;
+    (squares / (n - UNKNOWNS as f64)).min(0.5 * differences / n)
+}
+
+/// A lower triangle L with LLᵀ the scaled matrix, and the scales.
+pub(super) struct Triangle {
+    lower: [[f64; UNKNOWNS]; UNKNOWNS],
+    scale: [f64; UNKNOWNS],
+}
+
+/// The Cholesky factor of a matrix scaled to a unit diagonal, which is raised by `damping`; `None` if it is not safely positive definite.
+pub(super) fn cholesky(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], damping: f64) -> Option<Triangle> {
+    let mut scale = [0.0; UNKNOWNS];
+    for i in 0..UNKNOWNS {
+        if !(0.0 < matrix[i][i] && matrix[i][i].is_finite()) {
+            return None;
+        }
+        scale[i] = 1.0 / matrix[i][i].sqrt();
+    }
+    let mut lower = [[0.0; UNKNOWNS]; UNKNOWNS];
+    for i in 0..UNKNOWNS {
+        for j in 0..=i {
+            let mut sum = matrix[i][j] * scale[i] * scale[j] + if i == j { damping } else { 0.0 };
+            for k in 0..j {
+                sum -= lower[i][k] * lower[j][k];
+            }
+            if i == j {
+                // The square of the distance of a column from the span of those before it.
+                if sum < 1e-10 {
+                    return None;
+                }
+                lower[i][i] = sum.sqrt();
+            } else {
+                lower[i][j] = sum / lower[j][j];
+            }
+        }
+    }
+    Some(Triangle { lower, scale })
+}
+
+impl Triangle {
+    /// The step that takes a gradient to zero.
+    pub(super) fn solve(&self, gradient: &[f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
+        let mut step = [0.0; UNKNOWNS];
+        for i in 0..UNKNOWNS {
+            let mut sum = -gradient[i] * self.scale[i];
+            for k in 0..i {
+                sum -= self.lower[i][k] * step[k];
+            }
+            step[i] = sum / self.lower[i][i];
+        }
+        for i in (0..UNKNOWNS).rev() {
+            let mut sum = step[i];
+            for k in i + 1..UNKNOWNS {
+                sum -= self.lower[k][i] * step[k];
+            }
+            step[i] = sum / self.lower[i][i];
+        }
+        for i in 0..UNKNOWNS {
+            step[i] *= self.scale[i];
+        }
+        step
+    }
+
+    /// The inverse of the matrix.
+    pub(super) fn inverse(&self) -> [[f64; UNKNOWNS]; UNKNOWNS] {
+        std::array::from_fn(|column| {
+            let mut unit = [0.0; UNKNOWNS];
+            unit[column] = -1.0;
+            self.solve(&unit)
+        })
+    }
+}
