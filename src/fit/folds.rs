@@ -11,6 +11,7 @@ use super::trial::{Reached, Trial, Work};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
+use crate::model::hem::{Hem, Placement};
 use crate::numerics::least_squares;
 
 /// What to fit.
@@ -36,6 +37,9 @@ const POINTS_A_FOLD: usize = 4;
 const SCREENING_POINTS: usize = 256;
 /// … which are those whose distance is within this factor of the least.
 const CONTENDER: f64 = 1.05;
+/// Akaike's criterion of even folds above the least by this puts a fold count out of the question: a weight of e⁻²⁰, and to spare for what
+/// the paper's curve cannot do of what even folds can.
+const HOPELESS: f64 = 40.0;
 
 /// Fits the paper's curve to `profile`: every fold count asked for, then the most credible among the curves that obey the rules.
 ///
@@ -64,7 +68,7 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     }
     let to = to.min(seen);
     let outline = smooth(profile);
-    let work = Work::new(points, &outline, options);
+    let work = Work::new(points, outline.places.clone(), &outline, options);
     let round = circle::fit(points);
     let mut trials = work_through(&work, SCREENING_POINTS, from..=to);
     if !trials.iter().any(Trial::sane) {
@@ -90,11 +94,13 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
 fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>) -> Vec<Trial> {
     let stride = work.points.len() / enough.max(8 * *folds.end() as usize);
     let fewer: Vec<Point> = work.points.iter().copied().step_by(stride.max(1)).collect();
-    let screening = Work::new(&fewer, work.outline, work.options);
+    let places = work.outline.places.iter().copied().step_by(stride.max(1)).collect();
+    let screening = Work::new(&fewer, places, work.outline, work.options);
+    let (hopeless, folds) = out_of_question(work.outline, folds);
     // The nearest match first: what it reaches tells which of the others can still compete.
-    let mut starts: Vec<Start> = folds.map(|m| matched(work.outline, m)).collect();
+    let mut starts: Vec<Start> = folds.into_iter().map(|m| matched(work.outline, m)).collect();
     starts.sort_by(|a, b| a.rms.total_cmp(&b.rms));
-    let mut trials: Vec<Trial> = Vec::with_capacity(starts.len() + 1);
+    let mut trials: Vec<Trial> = hopeless;
     let mut reached = Reached::nothing();
     let mut starts = starts.into_iter();
     for start in starts.by_ref() {
@@ -127,6 +133,24 @@ fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>
     }
     trials.sort_by_key(|t| t.folds);
     trials
+}
+
+/// Fold counts that the lines of even folds rule out, as trials not pursued, and those that are left.
+fn out_of_question(outline: &Outline, folds: std::ops::RangeInclusive<u32>) -> (Vec<Trial>, Vec<u32>) {
+    let Some(even) = &outline.even else { return (Vec::new(), folds.collect()) };
+    let evidence = |m: u32| even.iter().find(|e| e.folds == m);
+    let least = folds.clone().filter_map(evidence).map(|e| e.criterion).fold(f64::INFINITY, f64::min);
+    let best = folds.clone().find(|&m| evidence(m).is_some_and(|e| e.criterion <= least)).unwrap_or(0);
+    // Lines of half as many folds include those of a curve without lean: which of the two it is, the fit has to tell.
+    let (left, out): (Vec<u32>, Vec<u32>) =
+        folds.partition(|&m| m == 2 * best || 2 * m == best || evidence(m).is_none_or(|e| e.criterion <= least + HOPELESS));
+    let round = |m: u32| Start {
+        hem: Hem { p: outline.radius, q: 0.0, s: 0.0, folds: m },
+        placement: Placement::ORIGIN,
+        offset: 0.0,
+        rms: evidence(m).map_or(f64::INFINITY, |e| e.rms),
+    };
+    (out.into_iter().map(round).map(|start| Trial::not_pursued(&start, start.rms)).collect(), left)
 }
 
 /// The most credible sane trial, and all of them with their weights; `None` if none is sane.

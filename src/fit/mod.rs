@@ -1,6 +1,7 @@
 //! Inverse: profile → parameters, by orthogonal least squares.
 
 pub mod circle;
+pub mod even;
 pub mod folds;
 pub mod foot_point;
 pub mod lambda;

@@ -8,7 +8,7 @@ use super::foot_point::{Foot, centred, nearest_within};
 use super::matching::{self, Matched, stretched, warped};
 use super::orthogonal::{self, Fitted, UNKNOWNS};
 use super::outcome::{HeldLength, Rule, Termination};
-use super::outline::{Outline, fractions};
+use super::outline::Outline;
 use super::rules::{Evidence, LENGTH_SLACK, broken};
 use super::start::{LengthTable, Start};
 use crate::experiment::Point;
@@ -92,7 +92,7 @@ impl Trial {
     }
 
     /// A fold count whose match is so far from the outline that no fit of it can compete.
-    fn not_pursued(start: &Start, rms: f64) -> Trial {
+    pub(super) fn not_pursued(start: &Start, rms: f64) -> Trial {
         Trial {
             folds: start.hem.folds,
             hem: start.hem,
@@ -145,15 +145,15 @@ impl Reached {
 /// What every fold count of one outline is tried with.
 pub(super) struct Work<'a> {
     pub points: &'a [Point],
-    /// Fraction of the polygon's length at which each point lies.
+    /// Fraction of the outline's length at which each point lies.
     fractions: Vec<f64>,
     pub outline: &'a Outline,
     pub options: &'a Options,
 }
 
 impl<'a> Work<'a> {
-    pub(super) fn new(points: &'a [Point], outline: &'a Outline, options: &'a Options) -> Self {
-        let (fractions, _) = fractions(points);
+    /// `fractions[i]` is the place of `points[i]` along the outline.
+    pub(super) fn new(points: &'a [Point], fractions: Vec<f64>, outline: &'a Outline, options: &'a Options) -> Self {
         Work { points, fractions, outline, options }
     }
 
