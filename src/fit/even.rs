@@ -60,8 +60,9 @@ pub struct Evidence {
 
 /// The most credible even outline of 2 … [`MOST_FOLDS`] folds, and the evidence for each of them; `None` where there are too few points.
 ///
-/// The curve may be run through by count, by length of the polygon or by direction from the centre: points of a digitizer are even by
-/// the first, those of a picture by the second, noise leaves the third alone where folds are shallow.
+/// The curve may be run through by count, by length of the polygon, by direction from the centre, or by the direction of a point's
+/// neighbourhood: points at equal steps are even by the first or second, whichever step that is; noise leaves the third alone where folds
+/// are shallow, and the fourth where points are dense here and sparse there.
 pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
     let stride = points.len().div_ceil(ENOUGH).max(1);
     let some: Vec<usize> = (0..points.len()).step_by(stride).collect();
@@ -114,13 +115,44 @@ pub fn akaike(square: f64, values: f64, parameters: f64) -> f64 {
 }
 
 /// Ways to run once through the points, each 0 … 1.
-fn parametrizations(points: &[Point]) -> Vec<Vec<f64>> {
-    let n = points.len() as f64;
-    let by_count = (0..points.len()).map(|i| i as f64 / n).collect();
+fn parametrizations(points: &[Point]) -> [Vec<f64>; 4] {
+    let n = points.len();
+    let by_count = (0..n).map(|i| i as f64 / n as f64).collect();
     let (by_length, _) = fractions(points);
-    let (cx, cy) = (points.iter().map(|p| p.x).sum::<f64>() / n, points.iter().map(|p| p.y).sum::<f64>() / n);
-    let by_direction = points.iter().map(|p| (p.y - cy).atan2(p.x - cx) / TAU).collect();
-    vec![by_count, by_length, by_direction]
+    let centre = middle(points);
+    let direction = |p: Point| ((p.y - centre.y).atan2(p.x - centre.x) / TAU).rem_euclid(1.0);
+    let by_direction = points.iter().map(|p| direction(*p)).collect();
+    let by_neighbourhood = neighbourhoods(points).into_iter().map(direction).collect();
+    [by_count, by_length, by_direction, by_neighbourhood]
+}
+
+/// Centroid of the area inside: neither density nor zigzag moves it.
+fn middle(points: &[Point]) -> Point {
+    let o = points[0];
+    let (mut area, mut x, mut y) = (0.0, 0.0, 0.0);
+    for (a, b) in points.iter().zip(points.iter().cycle().skip(1)) {
+        let cross = (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y);
+        area += 3.0 * cross;
+        x += cross * (a.x + b.x - 2.0 * o.x);
+        y += cross * (a.y + b.y - 2.0 * o.y);
+    }
+    Point::new(o.x + x / area, o.y + y / area)
+}
+
+/// The mean of a twelfth of all points, about each of them: noise and the folds themselves are gone, uneven density is still there.
+fn neighbourhoods(points: &[Point]) -> Vec<Point> {
+    let n = points.len();
+    let half = n / 24;
+    let count = (2 * half + 1) as f64;
+    let mut sum = (0..2 * half + 1).map(|i| points[(i + n - half) % n]).fold((0.0, 0.0), |s, p| (s.0 + p.x, s.1 + p.y));
+    (0..n)
+        .map(|i| {
+            let mean = Point::new(sum.0 / count, sum.1 / count);
+            let (leaves, enters) = (points[(i + n - half) % n], points[(i + half + 1) % n]);
+            sum = (sum.0 + enters.x - leaves.x, sum.1 + enters.y - leaves.y);
+            mean
+        })
+        .collect()
 }
 
 /// Sums over the points that all fold counts share.

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::circle::{self, Circle};
+use super::even::Evidence;
 use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, smooth};
@@ -40,6 +41,9 @@ const CONTENDER: f64 = 1.05;
 /// Akaike's criterion of even folds above the least by this puts a fold count out of the question: a weight of e⁻²⁰, and to spare for what
 /// the paper's curve cannot do of what even folds can.
 const HOPELESS: f64 = 40.0;
+/// The same where folds are not even: even folds this many times nearer to the points leave no other count a chance. An orthogonal fit reaches
+/// half the distance of a match in order, hardly less.
+const FAR_OFF: f64 = 0.3;
 
 /// Fits the paper's curve to `profile`: every fold count asked for, then the most credible among the curves that obey the rules.
 ///
@@ -137,13 +141,13 @@ fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>
 
 /// Fold counts that the lines of even folds rule out, as trials not pursued, and those that are left.
 fn out_of_question(outline: &Outline, folds: std::ops::RangeInclusive<u32>) -> (Vec<Trial>, Vec<u32>) {
-    let Some(even) = &outline.even else { return (Vec::new(), folds.collect()) };
-    let evidence = |m: u32| even.iter().find(|e| e.folds == m);
-    let least = folds.clone().filter_map(evidence).map(|e| e.criterion).fold(f64::INFINITY, f64::min);
-    let best = folds.clone().find(|&m| evidence(m).is_some_and(|e| e.criterion <= least)).unwrap_or(0);
+    let evidence = |m: u32| outline.evidence.iter().find(|e| e.folds == m);
+    let best = folds.clone().filter_map(evidence).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let Some(best) = best else { return (Vec::new(), folds.collect()) };
+    let beaten = |e: &Evidence| best.rms < FAR_OFF * e.rms || outline.even && best.criterion + HOPELESS < e.criterion;
     // Lines of half as many folds include those of a curve without lean: which of the two it is, the fit has to tell.
-    let (left, out): (Vec<u32>, Vec<u32>) =
-        folds.partition(|&m| m == 2 * best || 2 * m == best || evidence(m).is_none_or(|e| e.criterion <= least + HOPELESS));
+    let akin = |m: u32| m == 2 * best.folds || 2 * m == best.folds;
+    let (out, left): (Vec<u32>, Vec<u32>) = folds.partition(|&m| !akin(m) && evidence(m).is_some_and(beaten));
     let round = |m: u32| Start {
         hem: Hem { p: outline.radius, q: 0.0, s: 0.0, folds: m },
         placement: Placement::ORIGIN,

@@ -36,8 +36,10 @@ pub struct Outline {
     pub crossings: usize,
     /// Fraction of the outline's length at which each point of the profile lies.
     pub places: Vec<f64>,
-    /// What even folds say of every fold count, where they describe the points better than the free series.
-    pub even: Option<Vec<even::Evidence>>,
+    /// What even folds say of every fold count that the points can show, ascending.
+    pub evidence: Vec<even::Evidence>,
+    /// Whether this curve is that of even folds, because it describes the points better than the free series.
+    pub even: bool,
 }
 
 /// The smooth outline of `profile`.
@@ -46,14 +48,15 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     let n = points.len();
     let (fraction, _) = fractions(points);
     let first = smoothed(points, &fraction);
-    let even = even_folds(points).filter(|(even, _)| even.criterion < first.criterion);
-    if let Some((even, evidence)) = even {
+    let (even, evidence) = even_folds(points).unzip();
+    let evidence = evidence.unwrap_or_default();
+    if let Some(even) = even.filter(|even| even.criterion < first.criterion) {
         let fine: Vec<Point> = (0..4 * SAMPLES).map(|j| even.point(j as f64 / (4 * SAMPLES) as f64)).collect();
         let (along, length) = fractions(&fine);
         let places = even.parameter.iter().map(|u| place(&along, u.rem_euclid(1.0))).collect();
         let order = 1 + 2 * even.folds as usize;
         let smooth = Smooth { samples: resample(&fine, &along), length, order, noise: even.noise, criterion: even.criterion };
-        return smooth.outline(places, Some(evidence));
+        return smooth.outline(places, evidence, true);
     }
     let disturbed = DISTURBING_NOISE * first.length / n as f64;
     let mut smooth = first;
@@ -68,7 +71,7 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     // What noise the series keeps is roughness of its own: its mean squared slope, half of which is length too much.
     let roughness = (TAU / smooth.length).powi(2) * smooth.noise * smooth.noise * 2.0 * (smooth.order as f64).powi(3) / 3.0 / n as f64;
     smooth.length *= 1.0 - 0.5 * roughness.min(0.5);
-    smooth.outline(fraction, None)
+    smooth.outline(fraction, evidence, false)
 }
 
 /// Fraction of the length at parameter `u`, where `along` are the fractions at equal steps of it.
@@ -90,14 +93,14 @@ struct Smooth {
 }
 
 impl Smooth {
-    fn outline(self, places: Vec<f64>, even: Option<Vec<even::Evidence>>) -> Outline {
+    fn outline(self, places: Vec<f64>, evidence: Vec<even::Evidence>, even: bool) -> Outline {
         let Smooth { samples, length, order, noise, .. } = self;
         let (cx, cy) = centroid(&samples);
         let radius = (samples.iter().map(|p| (p.x - cx).powi(2) + (p.y - cy).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
         // Every second sample: crossings of folds, not of noise.
         let every_second: Vec<Point> = samples.iter().copied().step_by(2).collect();
         let crossings = crossings(&every_second);
-        Outline { samples, length, order, noise, radius, crossings, places, even }
+        Outline { samples, length, order, noise, radius, crossings, places, evidence, even }
     }
 }
 
