@@ -4,9 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use super::circle::{self, Circle};
 use super::even::Evidence;
+use super::frame::Frame;
 use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
-use super::outline::{Outline, smooth};
+use super::outline::{Outline, fractions, smooth};
+use super::sampling::{POINTS_A_FOLD, most_folds, note};
 use super::start::{Start, matched};
 use super::trial::{Reached, Trial, Work};
 use crate::error::Error;
@@ -31,8 +33,13 @@ impl Default for Options {
     }
 }
 
-/// Points round the outline that one fold needs: its second harmonic, twice.
-const POINTS_A_FOLD: usize = 4;
+/// Fold counts tie if their Akaike weight is at least this share of the best: evidence of ten to one is the least that is called strong.
+const TIE: f64 = 0.1;
+/// … or, where the curve misses more than noise, if they are this near in distance: what it misses is no new evidence at every point, so weights
+/// then say more than is known.
+const TIE_IN_DISTANCE: f64 = 1.02;
+/// A curve that leaves this many times the noise misses more than noise.
+const MISFIT: f64 = 2.0;
 /// Fold counts are compared on this many points; the best of them are then fitted to all. The weights of those that are not differ from
 /// theirs by more than e⁻¹⁰.
 const SCREENING_POINTS: usize = 256;
@@ -57,15 +64,24 @@ const FAR_OFF: f64 = 0.3;
 /// # Errors
 /// [`Error::Unanswerable`] if the points cannot show the fold count asked for, or if no fold count gives a sane curve.
 pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
+    match Frame::of(profile) {
+        Some(frame) => fit_here(&frame.profile(profile), &frame.options(options)).map(|fit| frame.back(fit)),
+        None => fit_here(profile, options),
+    }
+}
+
+/// The fit of an outline about the origin and about a metre large.
+fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let points = profile.points();
     let (from, to) = match options.folds {
         Folds::Among { from, to } => (from.max(2), to),
         Folds::Exactly(m) => (m, m),
     };
-    let seen = (points.len() / POINTS_A_FOLD) as u32;
+    let (fractions, _) = fractions(points);
+    let seen = most_folds(&fractions);
     if seen < from {
         return Err(Error::Unanswerable(format!(
-            "{} points round the outline show at most {seen} folds; {from} folds need {}",
+            "{} points round the outline, as they lie, show at most {seen} folds; {from} folds need {} or more, {POINTS_A_FOLD} on each",
             points.len(),
             POINTS_A_FOLD * from as usize
         )));
@@ -90,7 +106,8 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
             "no sane curve with {tried}: every fit leaves the outline's order or length, crosses itself, or strays from the outline"
         )));
     };
-    let notes = notes(options, &outline, &work, points.len(), seen);
+    let mut notes = notes(options, &outline, &work, points.len(), seen);
+    notes.extend(note(&fractions, best.folds));
     Ok(outcome(best, candidates, &round, &outline, evaluations, notes))
 }
 
@@ -199,7 +216,7 @@ fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen:
     if let Folds::Among { to, .. } = options.folds
         && seen < to
     {
-        notes.push(format!("{points} points round the outline cannot show more than {seen} folds"));
+        notes.push(format!("{points} points round the outline, as they lie, cannot show more than {seen} folds"));
     }
     if let (HemLength::Auto, Some(cut)) = (options.length, options.cut_length)
         && !work.agrees(cut)
@@ -214,6 +231,18 @@ fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen:
     notes
 }
 
+/// Fold counts as credible as the chosen one, with it; empty if there are none.
+fn ties(candidates: &[Candidate], chosen: u32, n: f64, misfit: bool) -> Vec<u32> {
+    let Some(best) = candidates.iter().find(|c| c.folds == chosen) else { return Vec::new() };
+    let near = |c: &&Candidate| {
+        c.weight.is_some_and(|weight| {
+            TIE * best.weight.unwrap_or(0.0) <= weight || misfit && c.folds != 0 && c.aicc - best.aicc <= 2.0 * n * TIE_IN_DISTANCE.ln()
+        })
+    };
+    let ties: Vec<u32> = candidates.iter().filter(near).map(|c| c.folds).collect();
+    if ties.len() < 2 { Vec::new() } else { ties }
+}
+
 fn outcome(
     best: Trial,
     candidates: Vec<Candidate>,
@@ -223,6 +252,12 @@ fn outcome(
     mut notes: Vec<String>,
 ) -> HemFit {
     let rms = best.rms();
+    let ties = ties(&candidates, best.folds, best.distances.len() as f64, MISFIT * outline.noise < rms);
+    if !ties.is_empty() {
+        let weighed = ties.iter().filter_map(|m| candidates.iter().find(|c| c.folds == *m));
+        let told: Vec<String> = weighed.map(|c| format!("{} (weight {:.2})", c.folds, c.weight.unwrap_or(0.0))).collect();
+        notes.push(format!("fold counts are tied: {}", told.join(", ")));
+    }
     let weight = candidates.iter().find(|c| c.folds == best.folds).and_then(|c| c.weight).unwrap_or(0.0);
     let (hem, placement) = best.hem.canonical(best.placement);
     // Canonical form moves the crest, and with it the origin of t.
@@ -252,6 +287,7 @@ fn outcome(
         covariance,
         folds: folded.then_some(best.folds),
         folds_weight: weight,
+        ties,
         candidates,
         rms,
         perimeter: if folded { hem.perimeter() } else { TAU * hem.p },

@@ -4,12 +4,14 @@ pub mod circle;
 pub mod even;
 pub mod folds;
 pub mod foot_point;
+mod frame;
 pub mod lambda;
 pub mod matching;
 pub mod orthogonal;
 pub mod outcome;
 pub mod outline;
 pub mod rules;
+mod sampling;
 pub mod start;
 mod trial;
 

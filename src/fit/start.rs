@@ -90,9 +90,7 @@ pub fn matched(outline: &Outline, folds: u32) -> Start {
     let crest = im.atan2(re) / (TAU * m);
     let mean = mean / n as f64;
     // Folds of unequal depth can hide the true crest from that harmonic: a quarter of a fold further is tried as well.
-    let from = |quarter: f64, lean: f64| {
-        refine(outline, Hem { p: mean, q: amplitude, s: lean, folds }, crest + quarter / m)
-    };
+    let from = |quarter: f64, lean: f64| refine(outline, Hem { p: mean, q: amplitude, s: lean, folds }, crest + quarter / m);
     let mut best = nearer(from(0.0, 0.0), from(0.25, 0.0));
     // Even folds can be matched to the noise. Where they are not, they lean so much that a straight fold does not lead there.
     if outline.even && outline.noise < best.rms {
