@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, SMatrix, SVector};
 
+use super::circle;
 use super::outline::fractions;
 use crate::experiment::Point;
 
@@ -119,24 +120,13 @@ fn parametrizations(points: &[Point]) -> [Vec<f64>; 4] {
     let n = points.len();
     let by_count = (0..n).map(|i| i as f64 / n as f64).collect();
     let (by_length, _) = fractions(points);
-    let centre = middle(points);
+    // Of the circle through them: neither density nor zigzag nor a missing piece moves it.
+    let round = circle::fit(points);
+    let centre = Point::new(round.x0, round.y0);
     let direction = |p: Point| ((p.y - centre.y).atan2(p.x - centre.x) / TAU).rem_euclid(1.0);
     let by_direction = points.iter().map(|p| direction(*p)).collect();
     let by_neighbourhood = neighbourhoods(points).into_iter().map(direction).collect();
     [by_count, by_length, by_direction, by_neighbourhood]
-}
-
-/// Centroid of the area inside: neither density nor zigzag moves it.
-fn middle(points: &[Point]) -> Point {
-    let o = points[0];
-    let (mut area, mut x, mut y) = (0.0, 0.0, 0.0);
-    for (a, b) in points.iter().zip(points.iter().cycle().skip(1)) {
-        let cross = (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y);
-        area += 3.0 * cross;
-        x += cross * (a.x + b.x - 2.0 * o.x);
-        y += cross * (a.y + b.y - 2.0 * o.y);
-    }
-    Point::new(o.x + x / area, o.y + y / area)
 }
 
 /// The mean of a twelfth of all points, about each of them: noise and the folds themselves are gone, uneven density is still there.

@@ -38,6 +38,9 @@ const TIE: f64 = 0.1;
 /// … or, where the curve misses more than noise, if they are this near in distance: what it misses is no new evidence at every point, so weights
 /// then say more than is known.
 const TIE_IN_DISTANCE: f64 = 1.02;
+/// The circle is compared by distance, whatever the folds had to be held to, if Akaike's criterion puts it no further behind than this: a weight of
+/// e⁻¹⁵ is a certainty even among sixty counts.
+const ROUND: f64 = 30.0;
 /// A curve that leaves this many times the noise misses more than noise.
 const MISFIT: f64 = 2.0;
 /// Fold counts are compared on this many points; the best of them are then fitted to all. The weights of those that are not differ from
@@ -180,9 +183,13 @@ fn choose(trials: Vec<Trial>, work: &Work, n: f64) -> Option<(Trial, Vec<Candida
         let sane = trials.iter().enumerate().filter(|(_, t)| t.sane());
         sane.map(|(i, t)| (i, criterion(t))).min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let near = |t: &Trial| t.aicc(t.rms(), n);
-    let (nearest, _) = best_by(&near)?;
-    let free = matches!(trials[nearest].termination, Termination::Converged | Termination::NoFolds);
+    // One of many counts fits chance better than one alone: each has to be as much better than the circle as the best of so many is by chance.
+    let search = 2.0 * (trials.iter().filter(|t| t.folds != 0).count().max(1) as f64).ln();
+    let near = |t: &Trial| t.aicc(t.rms(), n) - if t.folds == 0 { search } else { 0.0 };
+    let (nearest, least) = best_by(&near)?;
+    // Where the circle is nearly as good, what is held is noise.
+    let round = trials.iter().any(|t| t.folds == 0 && t.sane() && near(t) <= least + ROUND);
+    let free = round || matches!(trials[nearest].termination, Termination::Converged | Termination::NoFolds);
     let asked = matches!(trials[nearest].termination, Termination::LengthAsAsked);
     let matched: Vec<f64> = if free || asked {
         Vec::new()

@@ -19,6 +19,9 @@ const PATIENCE: usize = 61;
 /// their place along the smooth curve.
 const DISTURBING_NOISE: f64 = 0.25;
 
+/// A gap of more than this share of the outline's length is a missing piece if it is also wide for the number of points.
+pub const MISSING: f64 = 1.0 / 12.0;
+
 /// A smooth closed outline at equal steps of its own length.
 #[derive(Debug, Clone)]
 pub struct Outline {
@@ -38,7 +41,7 @@ pub struct Outline {
     pub places: Vec<f64>,
     /// What even folds say of every fold count that the points can show, ascending.
     pub evidence: Vec<even::Evidence>,
-    /// Whether this curve is that of even folds, because it describes the points better than the free series.
+    /// Whether even folds describe the points better than the free series.
     pub even: bool,
 }
 
@@ -50,13 +53,16 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     let first = smoothed(points, &fraction);
     let (even, evidence) = even_folds(points).unzip();
     let evidence = evidence.unwrap_or_default();
-    if let Some(even) = even.filter(|even| even.criterion < first.criterion) {
-        let fine: Vec<Point> = (0..4 * SAMPLES).map(|j| even.point(j as f64 / (4 * SAMPLES) as f64)).collect();
+    let better = even.as_ref().is_some_and(|even| even.criterion < first.criterion);
+    // Nobody but even folds knows what a missing piece looked like.
+    if let Some(even) = even.filter(|_| better || incomplete(&fraction)) {
+        let parameter = ascending(&even.parameter);
+        let fine: Vec<Point> = (0..4 * SAMPLES).map(|j| even.point(parameter[0] + j as f64 / (4 * SAMPLES) as f64)).collect();
         let (along, length) = fractions(&fine);
-        let places = even.parameter.iter().map(|u| place(&along, u.rem_euclid(1.0))).collect();
+        let places = parameter.iter().map(|u| place(&along, (u - parameter[0]).min(1.0 - f64::EPSILON))).collect();
         let order = 1 + 2 * even.folds as usize;
         let smooth = Smooth { samples: resample(&fine, &along), length, order, noise: even.noise, criterion: even.criterion };
-        return smooth.outline(places, evidence, true);
+        return smooth.outline(places, evidence, better);
     }
     let disturbed = DISTURBING_NOISE * first.length / n as f64;
     let mut smooth = first;
@@ -72,6 +78,24 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     let roughness = (TAU / smooth.length).powi(2) * smooth.noise * smooth.noise * 2.0 * (smooth.order as f64).powi(3) / 3.0 / n as f64;
     smooth.length *= 1.0 - 0.5 * roughness.min(0.5);
     smooth.outline(fraction, evidence, false)
+}
+
+/// The same turn, run through in the order of the points: they come in order, whatever noise says of one of them.
+fn ascending(turn: &[f64]) -> Vec<f64> {
+    let n = turn.len() as f64;
+    let shifts = turn.iter().enumerate().map(|(i, u)| (TAU * (u - i as f64 / n)).sin_cos());
+    let (sin, cos) = shifts.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let shift = sin.atan2(cos) / TAU;
+    let mut unwrapped: Vec<f64> = turn.iter().enumerate().map(|(i, u)| u - (u - i as f64 / n - shift).round()).collect();
+    unwrapped.sort_by(f64::total_cmp);
+    unwrapped
+}
+
+/// Whether a piece of the outline is missing: between two points lies far more than between most, and more than a fold of twelve.
+fn incomplete(fraction: &[f64]) -> bool {
+    let n = fraction.len();
+    let gap = (0..n).map(|i| if i + 1 < n { fraction[i + 1] } else { 1.0 } - fraction[i]).fold(0.0, f64::max);
+    MISSING < gap && 8.0 < gap * n as f64
 }
 
 /// Fraction of the length at parameter `u`, where `along` are the fractions at equal steps of it.

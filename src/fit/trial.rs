@@ -374,6 +374,10 @@ impl<'a> Work<'a> {
     fn broken(&self, hem: &Hem, placement: &Placement, feet: &[f64], distances: &[f64]) -> Option<Rule> {
         let farthest = distances.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
         let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
-        broken(hem, placement, &Evidence { outline: self.outline, points: self.points, feet, farthest, rms, length: self.length() })
+        broken(
+            hem,
+            placement,
+            &Evidence { outline: self.outline, points: self.points, feet, distances, farthest, rms, length: self.length() },
+        )
     }
 }
