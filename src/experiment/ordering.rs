@@ -15,6 +15,12 @@ const JUMP_POINTS: usize = 4;
 /// A point is isolated if its third neighbour is this many times further off than is usual: a gross outlier, which belongs nowhere in any
 /// order and so says nothing about it. The tail of a normal noise band stays below 5.
 const ISOLATION: f64 = 10.0;
+/// Neighbours on each side among which a point is astray …
+const ASTRAY_WINDOW: usize = 4;
+/// … if it is this many usual steps from their middle: the end of the window is four.
+const ASTRAY: f64 = 6.0;
+/// … and fewer than this share are: the middle of nine stays right with four of them astray, which then is rare.
+const ASTRAY_SHARE: f64 = 0.35;
 /// So many of the longest steps are looked at; more jumps than this make no difference to the verdict.
 const LONGEST: usize = 1000;
 /// Up to this share of jumps, an order is an order with a few misplaced points.
@@ -30,7 +36,8 @@ const SMOOTH: f64 = 0.9;
 /// Points are finite and distinct, at least four. O(n log n), but for the exchanges of the tour, which are few on a curve.
 pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
     let tree = Neighbours::new(points);
-    let (kept, shortest_possible) = not_isolated(points, &tree);
+    let astray = astray(points);
+    let (kept, shortest_possible) = not_isolated(points, &tree, &astray);
     let given = Route::new(points, kept.clone());
     let length = given.length();
     let jumps = given.jumps(points);
@@ -51,8 +58,36 @@ pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
     ((misplaced && (smooth || !few_jumps)) || scrambled_nearby).then_some(order)
 }
 
+/// Points that lie far from the middle of their neighbours in the given order, which are near each other: gross outliers of an outline in order.
+/// In a shuffled list everybody is as far from his neighbours as anybody, and nobody is astray.
+fn astray(points: &[Point]) -> Vec<bool> {
+    let n = points.len();
+    let half = ASTRAY_WINDOW.min(n / 10);
+    if half < 2 {
+        return vec![false; n];
+    }
+    let median = |values: &mut Vec<f64>| {
+        let middle = values.len() / 2;
+        *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let mut steps: Vec<f64> = (0..n).map(|i| points[i].distance(points[(i + 1) % n])).collect();
+    let usual = median(&mut steps);
+    let mut astray: Vec<bool> = (0..n)
+        .map(|i| {
+            let window = || (0..2 * half + 1).map(|j| points[(i + n + j - half) % n]);
+            let (mut x, mut y): (Vec<f64>, Vec<f64>) = (window().map(|p| p.x).collect(), window().map(|p| p.y).collect());
+            ASTRAY * usual < points[i].distance(Point::new(median(&mut x), median(&mut y)))
+        })
+        .collect();
+    // Sparse stretches and folds with few points look alike all round: outliers are few.
+    if ASTRAY_SHARE * n as f64 <= astray.iter().filter(|&&a| a).count() as f64 {
+        astray.fill(false);
+    }
+    astray
+}
+
 /// The points that are not isolated, in the given order, and half the sum of their distances to their two nearest neighbours.
-fn not_isolated(points: &[Point], tree: &Neighbours) -> (Vec<usize>, f64) {
+fn not_isolated(points: &[Point], tree: &Neighbours, astray: &[bool]) -> (Vec<usize>, f64) {
     let near: Vec<[f64; 3]> = (0..points.len())
         .map(|i| {
             let found = tree.nearest(i, 3, |_| true);
@@ -62,7 +97,7 @@ fn not_isolated(points: &[Point], tree: &Neighbours) -> (Vec<usize>, f64) {
     let mut third: Vec<f64> = near.iter().map(|d| d[2]).collect();
     let middle = third.len() / 2;
     let usual = *third.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let kept: Vec<usize> = (0..points.len()).filter(|&i| near[i][2] <= ISOLATION * usual).collect();
+    let kept: Vec<usize> = (0..points.len()).filter(|&i| near[i][2] <= ISOLATION * usual && !astray[i]).collect();
     let half_sum = kept.iter().map(|&i| 0.5 * (near[i][0] + near[i][1])).sum();
     (kept, half_sum)
 }

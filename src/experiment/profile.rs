@@ -27,7 +27,7 @@ impl Point {
 pub const FEWEST_POINTS: usize = 12;
 
 /// Largest coordinate that is taken for a place on a cloth, m: squares and sums of squares stay far from overflow.
-const FARTHEST: f64 = 1e6;
+const FARTHEST: f64 = 1e12;
 
 /// A closed outline: finite, distinct, at least [`FEWEST_POINTS`] points, in order round the outline, counter-clockwise, first point not repeated.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,12 +46,12 @@ impl DrapeProfile {
     ///
     /// # Errors
     /// [`Error::Unanswerable`] with fewer than [`FEWEST_POINTS`] distinct points, or if they enclose no area;
-    /// [`Error::Invalid`] if a coordinate is not finite, or further out than 1000 km.
+    /// [`Error::Invalid`] if a coordinate is not finite, or further out than 1e12 m.
     pub fn new(points: &[Point]) -> Result<Self, Error> {
         for point in points {
             for (quantity, value) in [("x of an outline point, m", point.x), ("y of an outline point, m", point.y)] {
                 if !(-FARTHEST..=FARTHEST).contains(&value) {
-                    return Err(Error::Invalid { quantity, value, allowed: "a finite number of metres, at most 1e6" });
+                    return Err(Error::Invalid { quantity, value, allowed: "a finite number of metres, at most 1e12" });
                 }
             }
         }
@@ -84,6 +84,11 @@ impl DrapeProfile {
     /// The outline, m, counter-clockwise.
     pub fn points(&self) -> &[Point] {
         &self.points
+    }
+
+    /// The same points in another frame; `to` must keep what was checked: shifts, turns and scaling do.
+    pub(crate) fn map(&self, to: impl Fn(Point) -> Point) -> DrapeProfile {
+        DrapeProfile { points: self.points.iter().map(|p| to(*p)).collect(), ..self.clone() }
     }
 
     /// `source_index()[i]` is the place that point `i` had in the input.

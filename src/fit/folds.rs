@@ -3,15 +3,19 @@
 use std::f64::consts::{PI, TAU};
 
 use super::circle::{self, Circle};
+use super::even::Evidence;
+use super::frame::Frame;
 use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
-use super::outline::smooth;
+use super::outline::{Outline, fractions, smooth};
+use super::sampling::{POINTS_A_FOLD, most_folds, note};
 use super::start::{Start, matched};
 use super::swift::{self, Swift};
 use super::trial::{Reached, Trial, Work, agrees};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
+use crate::model::hem::{Hem, Placement};
 use crate::numerics::least_squares;
 
 /// What to fit.
@@ -30,13 +34,27 @@ impl Default for Options {
     }
 }
 
-/// Points round the outline that one fold needs: its second harmonic, twice.
-const POINTS_A_FOLD: usize = 4;
+/// Fold counts tie if their Akaike weight is at least this share of the best: evidence of ten to one is the least that is called strong.
+const TIE: f64 = 0.1;
+/// … or, where the curve misses more than noise, if they are this near in distance: what it misses is no new evidence at every point, so weights
+/// then say more than is known.
+const TIE_IN_DISTANCE: f64 = 1.02;
+/// The circle is compared by distance, whatever the folds had to be held to, if Akaike's criterion puts it no further behind than this: a weight of
+/// e⁻¹⁵ is a certainty even among sixty counts.
+const ROUND: f64 = 30.0;
+/// A curve that leaves this many times the noise misses more than noise.
+const MISFIT: f64 = 2.0;
 /// Fold counts are compared on this many points; the best of them are then fitted to all. The weights of those that are not differ from
 /// theirs by more than e⁻¹⁰.
 const SCREENING_POINTS: usize = 256;
 /// … which are those whose distance is within this factor of the least.
 const CONTENDER: f64 = 1.05;
+/// Akaike's criterion of even folds above the least by this puts a fold count out of the question: a weight of e⁻²⁰, and to spare for what
+/// the paper's curve cannot do of what even folds can.
+const HOPELESS: f64 = 40.0;
+/// The same where folds are not even: even folds this many times nearer to the points leave no other count a chance. An orthogonal fit reaches
+/// half the distance of a match in order, hardly less.
+const FAR_OFF: f64 = 0.3;
 
 /// Fits the paper's curve to `profile`: every fold count asked for, then the most credible among the curves that obey the rules.
 ///
@@ -50,25 +68,34 @@ const CONTENDER: f64 = 1.05;
 /// # Errors
 /// [`Error::Unanswerable`] if the points cannot show the fold count asked for, or if no fold count gives a sane curve.
 pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
+    match Frame::of(profile) {
+        Some(frame) => fit_here(&frame.profile(profile), &frame.options(options)).map(|fit| frame.back(fit)),
+        None => fit_here(profile, options),
+    }
+}
+
+/// The fit of an outline about the origin and about a metre large.
+fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let points = profile.points();
     let (from, to) = match options.folds {
         Folds::Among { from, to } => (from.max(2), to),
         Folds::Exactly(m) => (m, m),
     };
-    let seen = (points.len() / POINTS_A_FOLD) as u32;
+    let (fractions, _) = fractions(points);
+    let seen = most_folds(&fractions);
     if seen < from {
         return Err(Error::Unanswerable(format!(
-            "{} points round the outline show at most {seen} folds; {from} folds need {}",
+            "{} points round the outline, as they lie, show at most {seen} folds; {from} folds need {} or more, {POINTS_A_FOLD} on each",
             points.len(),
             POINTS_A_FOLD * from as usize
         )));
     }
     let to = to.min(seen);
-    if let Some(fit) = swiftly(points, from..=to, seen, options) {
+    if let Some(fit) = swiftly(points, &fractions, from..=to, seen, options) {
         return Ok(fit);
     }
     let outline = smooth(profile);
-    let work = Work::new(points, &outline, options);
+    let work = Work::new(points, outline.places.clone(), &outline, options);
     let round = circle::fit(points);
     let mut trials = work_through(&work, SCREENING_POINTS, from..=to);
     if !trials.iter().any(Trial::sane) {
@@ -86,12 +113,13 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
             "no sane curve with {tried}: every fit leaves the outline's order or length, crosses itself, or strays from the outline"
         )));
     };
-    let notes = notes(options, outline.length, points.len(), seen);
-    Ok(outcome(best, candidates, &round, outline.length, evaluations, notes))
+    let mut notes = notes(options, outline.length, points.len(), seen);
+    notes.extend(note(&fractions, best.folds));
+    Ok(outcome(best, candidates, &round, outline.length, outline.noise, evaluations, notes))
 }
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
-fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, seen: u32, options: &Options) -> Option<HemFit> {
+fn swiftly(points: &[Point], fractions: &[f64], folds: std::ops::RangeInclusive<u32>, seen: u32, options: &Options) -> Option<HemFit> {
     if matches!(options.length, HemLength::Held(_)) {
         return None;
     }
@@ -102,19 +130,23 @@ fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, seen: u32, op
     }
     let evaluations = trials.iter().map(|t| t.evaluations).sum();
     let (best, candidates) = choose(trials, &|_| f64::INFINITY, points.len() as f64)?;
-    let notes = notes(options, outline_length, points.len(), seen);
-    Some(outcome(best, candidates, &round, outline_length, evaluations, notes))
+    let mut notes = notes(options, outline_length, points.len(), seen);
+    notes.extend(note(fractions, best.folds));
+    let noise = best.rms();
+    Some(outcome(best, candidates, &round, outline_length, noise, evaluations, notes))
 }
 
 /// Every fold count tried, ascending: on about `enough` points, the best of them then on all.
 fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>) -> Vec<Trial> {
     let stride = work.points.len() / enough.max(8 * *folds.end() as usize);
     let fewer: Vec<Point> = work.points.iter().copied().step_by(stride.max(1)).collect();
-    let screening = Work::new(&fewer, work.outline, work.options);
+    let places = work.outline.places.iter().copied().step_by(stride.max(1)).collect();
+    let screening = Work::new(&fewer, places, work.outline, work.options);
+    let (hopeless, folds) = out_of_question(work.outline, folds);
     // The nearest match first: what it reaches tells which of the others can still compete.
-    let mut starts: Vec<Start> = folds.map(|m| matched(work.outline, m)).collect();
+    let mut starts: Vec<Start> = folds.into_iter().map(|m| matched(work.outline, m)).collect();
     starts.sort_by(|a, b| a.rms.total_cmp(&b.rms));
-    let mut trials: Vec<Trial> = Vec::with_capacity(starts.len() + 1);
+    let mut trials: Vec<Trial> = hopeless;
     let mut reached = Reached::nothing();
     let mut starts = starts.into_iter();
     for start in starts.by_ref() {
@@ -149,6 +181,24 @@ fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>
     trials
 }
 
+/// Fold counts that the lines of even folds rule out, as trials not pursued, and those that are left.
+fn out_of_question(outline: &Outline, folds: std::ops::RangeInclusive<u32>) -> (Vec<Trial>, Vec<u32>) {
+    let evidence = |m: u32| outline.evidence.iter().find(|e| e.folds == m);
+    let best = folds.clone().filter_map(evidence).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let Some(best) = best else { return (Vec::new(), folds.collect()) };
+    let beaten = |e: &Evidence| best.rms < FAR_OFF * e.rms || outline.even && best.criterion + HOPELESS < e.criterion;
+    // Lines of half as many folds include those of a curve without lean: which of the two it is, the fit has to tell.
+    let akin = |m: u32| m == 2 * best.folds || 2 * m == best.folds;
+    let (out, left): (Vec<u32>, Vec<u32>) = folds.partition(|&m| !akin(m) && evidence(m).is_some_and(beaten));
+    let round = |m: u32| Start {
+        hem: Hem { p: outline.radius, q: 0.0, s: 0.0, folds: m },
+        placement: Placement::ORIGIN,
+        offset: 0.0,
+        rms: evidence(m).map_or(f64::INFINITY, |e| e.rms),
+    };
+    (out.into_iter().map(round).map(|start| Trial::not_pursued(&start, start.rms)).collect(), left)
+}
+
 /// The most credible sane trial, and all of them with their weights; `None` if none is sane.
 ///
 /// `apart` is how far a curve and the outline are apart when matched in order, both ways, m.
@@ -157,9 +207,13 @@ fn choose(trials: Vec<Trial>, apart: &dyn Fn(&Trial) -> f64, n: f64) -> Option<(
         let sane = trials.iter().enumerate().filter(|(_, t)| t.sane());
         sane.map(|(i, t)| (i, criterion(t))).min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let near = |t: &Trial| t.aicc(t.rms(), n);
-    let (nearest, _) = best_by(&near)?;
-    let free = matches!(trials[nearest].termination, Termination::Converged | Termination::NoFolds);
+    // One of many counts fits chance better than one alone: each has to be as much better than the circle as the best of so many is by chance.
+    let search = 2.0 * (trials.iter().filter(|t| t.folds != 0).count().max(1) as f64).ln();
+    let near = |t: &Trial| t.aicc(t.rms(), n) - if t.folds == 0 { search } else { 0.0 };
+    let (nearest, least) = best_by(&near)?;
+    // Where the circle is nearly as good, what is held is noise.
+    let round = trials.iter().any(|t| t.folds == 0 && t.sane() && near(t) <= least + ROUND);
+    let free = round || matches!(trials[nearest].termination, Termination::Converged | Termination::NoFolds);
     let asked = matches!(trials[nearest].termination, Termination::LengthAsAsked);
     let matched: Vec<f64> = if free || asked {
         Vec::new()
@@ -193,7 +247,7 @@ fn notes(options: &Options, outline_length: f64, points: usize, seen: u32) -> Ve
     if let Folds::Among { to, .. } = options.folds
         && seen < to
     {
-        notes.push(format!("{points} points round the outline cannot show more than {seen} folds"));
+        notes.push(format!("{points} points round the outline, as they lie, cannot show more than {seen} folds"));
     }
     if let (HemLength::Auto, Some(cut)) = (options.length, options.cut_length)
         && !agrees(outline_length, cut)
@@ -215,15 +269,34 @@ fn wrapped(t: f64) -> f64 {
     if (0.0..TAU).contains(&once) { once } else { t.rem_euclid(TAU) }
 }
 
+/// Fold counts as credible as the chosen one, with it; empty if there are none.
+fn ties(candidates: &[Candidate], chosen: u32, n: f64, misfit: bool) -> Vec<u32> {
+    let Some(best) = candidates.iter().find(|c| c.folds == chosen) else { return Vec::new() };
+    let near = |c: &&Candidate| {
+        c.weight.is_some_and(|weight| {
+            TIE * best.weight.unwrap_or(0.0) <= weight || misfit && c.folds != 0 && c.aicc - best.aicc <= 2.0 * n * TIE_IN_DISTANCE.ln()
+        })
+    };
+    let ties: Vec<u32> = candidates.iter().filter(near).map(|c| c.folds).collect();
+    if ties.len() < 2 { Vec::new() } else { ties }
+}
+
 fn outcome(
     best: Trial,
     candidates: Vec<Candidate>,
     round: &Circle,
     outline_length: f64,
+    noise: f64,
     evaluations: usize,
     mut notes: Vec<String>,
 ) -> HemFit {
     let rms = best.rms();
+    let ties = ties(&candidates, best.folds, best.distances.len() as f64, MISFIT * noise < rms);
+    if !ties.is_empty() {
+        let weighed = ties.iter().filter_map(|m| candidates.iter().find(|c| c.folds == *m));
+        let told: Vec<String> = weighed.map(|c| format!("{} (weight {:.2})", c.folds, c.weight.unwrap_or(0.0))).collect();
+        notes.push(format!("fold counts are tied: {}", told.join(", ")));
+    }
     let weight = candidates.iter().find(|c| c.folds == best.folds).and_then(|c| c.weight).unwrap_or(0.0);
     let (hem, placement) = best.hem.canonical(best.placement);
     // Canonical form moves the crest, and with it the origin of t.
@@ -253,6 +326,7 @@ fn outcome(
         covariance,
         folds: folded.then_some(best.folds),
         folds_weight: weight,
+        ties,
         candidates,
         rms,
         perimeter: if folded { hem.perimeter() } else { TAU * hem.p },

@@ -91,6 +91,8 @@ pub struct HemFit {
     pub folds: Option<u32>,
     /// Akaike weight of the chosen fold count among the sane candidates.
     pub folds_weight: f64,
+    /// Fold counts that are as credible as the one chosen, which is among them, ascending, 0 for the circle; empty where there is but one.
+    pub ties: Vec<u32>,
     /// Every fold count tried, ascending.
     pub candidates: Vec<Candidate>,
     /// Signed orthogonal distance of each outline point, m; positive outside; `distances[i]` belongs to point `i` of the profile.

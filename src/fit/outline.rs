@@ -1,9 +1,11 @@
-//! The outline behind the points: a Fourier series in its own arc length, of an order chosen by evidence.
+//! The outline behind the points: a Fourier series in its own arc length, of an order chosen by evidence, or the lines of even folds where
+//! they describe the points better.
 //!
 //! Noise lengthens a polygon (it zigzags), so length, self-crossings and starting values are taken from this smooth curve instead.
 
 use std::f64::consts::{PI, TAU};
 
+use super::even::{self, akaike, even_folds};
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
 
@@ -16,6 +18,9 @@ const PATIENCE: usize = 61;
 /// Noise above this share of the point spacing disturbs the polygon's own length as a parameter; the points are then parametrized anew by
 /// their place along the smooth curve.
 const DISTURBING_NOISE: f64 = 0.25;
+
+/// A gap of more than this share of the outline's length is a missing piece if it is also wide for the number of points.
+pub const MISSING: f64 = 1.0 / 12.0;
 
 /// A smooth closed outline at equal steps of its own length.
 #[derive(Debug, Clone)]
@@ -32,6 +37,12 @@ pub struct Outline {
     pub radius: f64,
     /// How often the smooth curve crosses itself.
     pub crossings: usize,
+    /// Fraction of the outline's length at which each point of the profile lies.
+    pub places: Vec<f64>,
+    /// What even folds say of every fold count that the points can show, ascending.
+    pub evidence: Vec<even::Evidence>,
+    /// Whether even folds describe the points better than the free series.
+    pub even: bool,
 }
 
 /// The smooth outline of `profile`.
@@ -39,35 +50,92 @@ pub fn smooth(profile: &DrapeProfile) -> Outline {
     let points = profile.points();
     let n = points.len();
     let (fraction, _) = fractions(points);
-    let (mut samples, mut length, mut order, mut noise) = smoothed(points, &fraction);
-    let disturbed = DISTURBING_NOISE * length / n as f64;
+    let first = smoothed(points, &fraction);
+    let (even, evidence) = even_folds(points).unzip();
+    let evidence = evidence.unwrap_or_default();
+    let better = even.as_ref().is_some_and(|even| even.criterion < first.criterion);
+    // Nobody but even folds knows what a missing piece looked like.
+    if let Some(even) = even.filter(|_| better || incomplete(&fraction)) {
+        let parameter = ascending(&even.parameter);
+        let fine: Vec<Point> = (0..4 * SAMPLES).map(|j| even.point(parameter[0] + j as f64 / (4 * SAMPLES) as f64)).collect();
+        let (along, length) = fractions(&fine);
+        let places = parameter.iter().map(|u| place(&along, (u - parameter[0]).min(1.0 - f64::EPSILON))).collect();
+        let order = 1 + 2 * even.folds as usize;
+        let smooth = Smooth { samples: resample(&fine, &along), length, order, noise: even.noise, criterion: even.criterion };
+        return smooth.outline(places, evidence, better);
+    }
+    let disturbed = DISTURBING_NOISE * first.length / n as f64;
+    let mut smooth = first;
     // Twice: the second time the parameter is right to the noise over the spacing squared.
     for _ in 0..2 {
-        if noise <= disturbed {
+        if smooth.noise <= disturbed {
             break;
         }
-        let (sorted, places) = along(points, &fraction, &samples);
-        (samples, length, order, noise) = smoothed(&sorted, &places);
+        let (sorted, places) = along(points, &fraction, &smooth.samples);
+        smooth = smoothed(&sorted, &places);
     }
     // What noise the series keeps is roughness of its own: its mean squared slope, half of which is length too much.
-    let roughness = (TAU / length).powi(2) * noise * noise * 2.0 * (order as f64).powi(3) / 3.0 / n as f64;
-    let length = length * (1.0 - 0.5 * roughness.min(0.5));
-    let (cx, cy) = centroid(&samples);
-    let radius = (samples.iter().map(|p| (p.x - cx).powi(2) + (p.y - cy).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
-    // Every second sample: crossings of folds, not of noise.
-    let every_second: Vec<Point> = samples.iter().copied().step_by(2).collect();
-    let crossings = crossings(&every_second);
-    Outline { samples, length, order, noise, radius, crossings }
+    let roughness = (TAU / smooth.length).powi(2) * smooth.noise * smooth.noise * 2.0 * (smooth.order as f64).powi(3) / 3.0 / n as f64;
+    smooth.length *= 1.0 - 0.5 * roughness.min(0.5);
+    smooth.outline(fraction, evidence, false)
 }
 
-/// The smooth curve through points at the fractions given: samples at equal steps of its length, the length, order, and what it leaves.
-fn smoothed(points: &[Point], fraction: &[f64]) -> (Vec<Point>, f64, usize, f64) {
+/// The same turn, run through in the order of the points: they come in order, whatever noise says of one of them.
+fn ascending(turn: &[f64]) -> Vec<f64> {
+    let n = turn.len() as f64;
+    let shifts = turn.iter().enumerate().map(|(i, u)| (TAU * (u - i as f64 / n)).sin_cos());
+    let (sin, cos) = shifts.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let shift = sin.atan2(cos) / TAU;
+    let mut unwrapped: Vec<f64> = turn.iter().enumerate().map(|(i, u)| u - (u - i as f64 / n - shift).round()).collect();
+    unwrapped.sort_by(f64::total_cmp);
+    unwrapped
+}
+
+/// Whether a piece of the outline is missing: between two points lies far more than between most, and more than a fold of twelve.
+fn incomplete(fraction: &[f64]) -> bool {
+    let n = fraction.len();
+    let gap = (0..n).map(|i| if i + 1 < n { fraction[i + 1] } else { 1.0 } - fraction[i]).fold(0.0, f64::max);
+    MISSING < gap && 8.0 < gap * n as f64
+}
+
+/// Fraction of the length at parameter `u`, where `along` are the fractions at equal steps of it.
+fn place(along: &[f64], u: f64) -> f64 {
+    let scaled = u * along.len() as f64;
+    let i = (scaled as usize).min(along.len() - 1);
+    let next = along.get(i + 1).copied().unwrap_or(1.0);
+    along[i] + (scaled - i as f64) * (next - along[i])
+}
+
+/// A smooth curve by evidence.
+struct Smooth {
+    samples: Vec<Point>,
+    length: f64,
+    order: usize,
+    noise: f64,
+    /// Akaike's criterion over both coordinates of all points.
+    criterion: f64,
+}
+
+impl Smooth {
+    fn outline(self, places: Vec<f64>, evidence: Vec<even::Evidence>, even: bool) -> Outline {
+        let Smooth { samples, length, order, noise, .. } = self;
+        let (cx, cy) = centroid(&samples);
+        let radius = (samples.iter().map(|p| (p.x - cx).powi(2) + (p.y - cy).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
+        // Every second sample: crossings of folds, not of noise.
+        let every_second: Vec<Point> = samples.iter().copied().step_by(2).collect();
+        let crossings = crossings(&every_second);
+        Outline { samples, length, order, noise, radius, crossings, places, evidence, even }
+    }
+}
+
+/// The smooth curve through points at the fractions given.
+fn smoothed(points: &[Point], fraction: &[f64]) -> Smooth {
     let highest = HIGHEST_ORDER.min(points.len() / 4).max(1);
     let series = Series::of(&resample(points, fraction), highest, effective_spacing(fraction));
-    let (order, noise) = order_by_evidence(&series, points, fraction);
+    let (order, noise, criterion) = order_by_evidence(&series, points, fraction);
     let fine = series.samples(4 * SAMPLES, order);
     let (along, length) = fractions(&fine);
-    (resample(&fine, &along), length, order, noise)
+    Smooth { samples: resample(&fine, &along), length, order, noise, criterion }
 }
 
 /// Each point's place along the smooth curve near its old fraction; points and places in ascending order of place.
@@ -232,8 +300,8 @@ fn contribution([(a, b), (c, d)]: &[(f64, f64); 2], (sin, cos): (f64, f64)) -> (
     ((a + c) * cos + (d - b) * sin, (b + d) * cos + (a - c) * sin)
 }
 
-/// The order of least AICc, and the root mean square distance that it leaves.
-fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (usize, f64) {
+/// The order of least AICc, the root mean square distance that it leaves in each coordinate, and the criterion.
+fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (usize, f64, f64) {
     let values = 2.0 * points.len() as f64;
     let mut left: Vec<(f64, f64)> = points.iter().map(|p| (p.x - series.centre.0, p.y - series.centre.1)).collect();
     // (sin, cos) of the angle itself and of k times it, the latter carried along by the addition theorem.
@@ -253,17 +321,15 @@ fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (us
             square += *x * *x + *y * *y;
         }
         let parameters = 2.0 * (2.0 * k as f64 + 1.0) + 1.0;
-        let spare = values - parameters - 1.0;
-        if spare <= 0.0 {
+        let criterion = akaike(square, values, parameters);
+        if criterion == f64::INFINITY {
             break;
         }
-        let criterion =
-            values * (square / values).max(f64::MIN_POSITIVE).ln() + 2.0 * parameters + 2.0 * parameters * (parameters + 1.0) / spare;
         if criterion < best.0 {
             best = (criterion, k, (square / values).sqrt());
         }
     }
-    (best.1, best.2)
+    (best.1, best.2, best.0)
 }
 
 #[cfg(test)]

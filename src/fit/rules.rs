@@ -5,7 +5,7 @@
 //! does not stretch, the hem does not pass through itself, and a curve is near the outline only if the outline is near the curve.
 
 use super::outcome::Rule;
-use super::outline::{Outline, hem_crossings};
+use super::outline::{MISSING, Outline, hem_crossings};
 use super::start::LengthTable;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
@@ -17,6 +17,11 @@ pub const LENGTH_SLACK: f64 = 0.05;
 /// The same where the curve leaves hardly more than the noise.
 const NOISY_LENGTH_SLACK: f64 = 0.1;
 
+/// A point this many median distances from the curve is a gross outlier: 5.4 standard deviations of normal ones …
+const ASTRAY: f64 = 8.0;
+/// … if no more than this share of the points are.
+const ASTRAY_SHARE: f64 = 0.3;
+
 /// What is checked besides the curve itself.
 pub struct Evidence<'a> {
     pub outline: &'a Outline,
@@ -24,7 +29,9 @@ pub struct Evidence<'a> {
     pub points: &'a [Point],
     /// Curve parameter of each outline point's foot, in outline order.
     pub feet: &'a [f64],
-    /// Largest distance of an outline point from the curve, m.
+    /// Distance of each outline point from the curve, m.
+    pub distances: &'a [f64],
+    /// Largest of them, m.
     pub farthest: f64,
     /// Root mean square distance of the outline points from the curve, m.
     pub rms: f64,
@@ -67,6 +74,15 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
 }
 
 impl Evidence<'_> {
+    /// Distance beyond which a point is a gross outlier, m; infinite where too many would be.
+    fn astray(&self) -> f64 {
+        let mut sizes: Vec<f64> = self.distances.iter().map(|d| d.abs()).collect();
+        let middle = sizes.len() / 2;
+        let limit = ASTRAY * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let few = sizes.iter().filter(|size| limit < **size).count() as f64 <= ASTRAY_SHARE * sizes.len() as f64;
+        if few { limit } else { f64::INFINITY }
+    }
+
     /// Whether a point of the curve is further from the outline than the outline is from the curve.
     fn strays(&self, point: Point) -> bool {
         // 1 % of the radius: where the fit is excellent, the smooth outline between the points is itself not better known.
@@ -76,7 +92,9 @@ impl Evidence<'_> {
         }
         // Between distant points nobody knows the outline better than a share of their distance: the sag of an arc of 120° over its chord.
         let (distance, chord) = distance_to_polygon(point, self.points);
-        reach + 0.3 * chord < distance
+        // Over a missing piece the folds come on top of the sag.
+        let sag = if MISSING * self.outline.length < chord { 0.6 } else { 0.3 };
+        reach + sag * chord < distance
     }
 
     /// Whether a coarsely sampled outline is as long as the curve seen through the same samples: few points cut the corners of both alike.
@@ -99,10 +117,13 @@ fn polygon_length(points: &[Point]) -> f64 {
 
 /// Whether the feet run back along the curve further than noise makes them, or do not run round it once.
 fn out_of_order(hem: &Hem, evidence: &Evidence, perimeter: f64) -> bool {
-    let n = evidence.feet.len();
     // Measured in length, not in t: where the curve turns sharply it moves little while t runs.
     let table = LengthTable::of(hem);
-    let places: Vec<f64> = evidence.feet.iter().map(|&t| table.fraction(t)).collect();
+    // A gross outlier has its foot anywhere; the order is that of the others.
+    let astray = evidence.astray();
+    let feet = evidence.feet.iter().zip(evidence.distances).filter(|(_, d)| d.abs() <= astray);
+    let places: Vec<f64> = feet.map(|(&t, _)| table.fraction(t)).collect();
+    let n = places.len();
     let (mut turned, mut back) = (0.0, 0.0_f64);
     let mut high = f64::NEG_INFINITY;
     for i in 0..n {

@@ -90,20 +90,29 @@ pub fn matched(outline: &Outline, folds: u32) -> Start {
     let crest = im.atan2(re) / (TAU * m);
     let mean = mean / n as f64;
     // Folds of unequal depth can hide the true crest from that harmonic: a quarter of a fold further is tried as well.
-    [0.0, 0.25]
-        .map(|quarter| refine(outline, folds, mean, amplitude, crest + quarter / m))
-        .into_iter()
-        .min_by(|a, b| a.rms.total_cmp(&b.rms))
-        .expect("two starts")
+    let from = |quarter: f64, lean: f64| refine(outline, Hem { p: mean, q: amplitude, s: lean, folds }, crest + quarter / m);
+    let mut best = nearer(from(0.0, 0.0), from(0.25, 0.0));
+    // Even folds can be matched to the noise. Where they are not, they lean so much that a straight fold does not lead there.
+    if outline.even && outline.noise < best.rms {
+        for lean in [0.5 * mean / m, mean / m] {
+            best = [(0.0, lean), (0.25, lean), (0.0, -lean), (0.25, -lean)].into_iter().fold(best, |best, (q, s)| nearer(best, from(q, s)));
+        }
+    }
+    best
 }
 
-fn refine(outline: &Outline, folds: u32, mean: f64, amplitude: f64, crest: f64) -> Start {
+fn nearer(a: Start, b: Start) -> Start {
+    if b.rms < a.rms { b } else { a }
+}
+
+/// Matches and solves in turn from `hem`, its crest at the fraction `crest` of the outline's length.
+fn refine(outline: &Outline, mut hem: Hem, crest: f64) -> Start {
+    let folds = hem.folds;
     let samples = &outline.samples;
     // Sixteen samples a fold are enough for a start.
     let stride = (samples.len() / (16 * folds as usize).max(128)).max(1);
     let fractions: Vec<usize> = (0..samples.len()).step_by(stride).collect();
     let (cx, cy) = centroid(samples);
-    let mut hem = Hem { p: mean, q: amplitude, s: 0.0, folds };
     let mut offset = crest;
     // On a circle the direction of the crest from the centroid is the phase.
     let first = samples[((offset.rem_euclid(1.0) * samples.len() as f64) as usize).min(samples.len() - 1)];

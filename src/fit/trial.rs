@@ -8,7 +8,7 @@ use super::foot_point::{Foot, centred, nearest_within};
 use super::matching::{self, Matched, stretched, warped};
 use super::orthogonal::{self, Fitted, UNKNOWNS};
 use super::outcome::{HeldLength, Rule, Termination};
-use super::outline::{Outline, fractions};
+use super::outline::Outline;
 use super::rules::{Evidence, LENGTH_SLACK, broken};
 use super::start::{LengthTable, Start};
 use crate::experiment::Point;
@@ -92,7 +92,7 @@ impl Trial {
     }
 
     /// A fold count whose match is so far from the outline that no fit of it can compete.
-    fn not_pursued(start: &Start, rms: f64) -> Trial {
+    pub(super) fn not_pursued(start: &Start, rms: f64) -> Trial {
         Trial {
             folds: start.hem.folds,
             hem: start.hem,
@@ -184,15 +184,15 @@ pub(super) fn agrees(outline_length: f64, cut: f64) -> bool {
 /// What every fold count of one outline is tried with.
 pub(super) struct Work<'a> {
     pub points: &'a [Point],
-    /// Fraction of the polygon's length at which each point lies.
+    /// Fraction of the outline's length at which each point lies.
     fractions: Vec<f64>,
     pub outline: &'a Outline,
     pub options: &'a Options,
 }
 
 impl<'a> Work<'a> {
-    pub(super) fn new(points: &'a [Point], outline: &'a Outline, options: &'a Options) -> Self {
-        let (fractions, _) = fractions(points);
+    /// `fractions[i]` is the place of `points[i]` along the outline.
+    pub(super) fn new(points: &'a [Point], fractions: Vec<f64>, outline: &'a Outline, options: &'a Options) -> Self {
         Work { points, fractions, outline, options }
     }
 
@@ -412,6 +412,10 @@ impl<'a> Work<'a> {
     fn broken(&self, hem: &Hem, placement: &Placement, feet: &[f64], distances: &[f64]) -> Option<Rule> {
         let farthest = distances.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
         let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
-        broken(hem, placement, &Evidence { outline: self.outline, points: self.points, feet, farthest, rms, length: self.length() })
+        broken(
+            hem,
+            placement,
+            &Evidence { outline: self.outline, points: self.points, feet, distances, farthest, rms, length: self.length() },
+        )
     }
 }
