@@ -2,12 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::bias::{self, BiasCorrection, Uncorrected};
 use super::circle::{self, Circle};
 use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, smooth};
 use super::start::{Start, matched};
 use super::trial::{Reached, Trial, Work};
+use super::uncertainty::{Fitted, correlation, uncertainty};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
@@ -20,12 +22,21 @@ pub struct Options {
     pub length: HemLength,
     /// The hem's length where the cut is known, 2πR_n, m: what [`HemLength::Auto`] holds to. The outline's own smoothed length otherwise.
     pub cut_length: Option<f64>,
+    /// Take out the bias that noise has where the curve bends (docs/uncertainty.md).
+    pub bias_correction: bool,
     pub solver: least_squares::Options,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { folds: Folds::default(), length: HemLength::Auto, cut_length: None, solver: least_squares::Options::default() }
+        Options {
+            folds: Folds::default(),
+            length: HemLength::Auto,
+            cut_length: None,
+            // With noise of a tenth of the lean, half a standard error of s is bias.
+            bias_correction: true,
+            solver: least_squares::Options::default(),
+        }
     }
 }
 
@@ -74,7 +85,7 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     if let Folds::Among { .. } = options.folds {
         trials.insert(0, Trial::round(&round, points, &outline));
     }
-    let evaluations = trials.iter().map(|t| t.evaluations).sum();
+    let evaluations: usize = trials.iter().map(|t| t.evaluations).sum();
 
     let Some((best, candidates)) = choose(trials, &work, points.len() as f64) else {
         let tried = if from == to { format!("{from} folds") } else { format!("{from} to {to} folds") };
@@ -83,7 +94,10 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
         )));
     };
     let notes = notes(options, &outline, &work, points.len(), seen);
-    Ok(outcome(best, candidates, &round, &outline, evaluations, notes))
+    let before = best.evaluations;
+    let (best, correction) = bias::correct(best, &work, options.bias_correction);
+    let evaluations = evaluations + best.evaluations - before;
+    Ok(outcome(best, correction, candidates, &round, points, &outline, evaluations, notes))
 }
 
 /// Every fold count tried, ascending: on about `enough` points, the best of them then on all.
@@ -186,10 +200,13 @@ fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen:
     notes
 }
 
+#[allow(clippy::too_many_arguments)]
 fn outcome(
     best: Trial,
+    correction: BiasCorrection,
     candidates: Vec<Candidate>,
     round: &Circle,
+    points: &[Point],
     outline: &Outline,
     evaluations: usize,
     mut notes: Vec<String>,
@@ -199,29 +216,36 @@ fn outcome(
     let (hem, placement) = best.hem.canonical(best.placement);
     // Canonical form moves the crest, and with it the origin of t.
     let turned = best.placement.phase - placement.phase + if best.hem.p < 0.0 { PI } else { 0.0 };
-    let feet = best.feet.iter().map(|t| (t + turned).rem_euclid(TAU)).collect();
-    let covariance = match best.covariance {
-        // q → −q turns its covariances with p and s.
-        Ok(c) if (best.hem.q < 0.0) != (best.hem.p < 0.0) => {
-            Some(std::array::from_fn(|i| std::array::from_fn(|j| if (i == 1) != (j == 1) { -c[i][j] } else { c[i][j] })))
-        }
-        Ok(c) => Some(c),
-        Err(reason) => {
-            notes.push(format!("no standard errors: {reason}"));
-            None
-        }
-    };
-    let [p, q, s] = [0, 1, 2].map(|i| covariance.map(|c: [[f64; 3]; 3]| c[i][i].max(0.0).sqrt()));
+    let feet: Vec<f64> = best.feet.iter().map(|t| (t + turned).rem_euclid(TAU)).collect();
+    let sure = uncertainty(&Fitted {
+        points,
+        hem,
+        placement,
+        feet: &feet,
+        held: best.held.is_some(),
+        termination: &best.termination,
+        correction: &correction,
+    });
     let folded = best.folds != 0;
-    if folded && q.is_some_and(|se| hem.q < 2.0 * se) {
-        notes.push("the fold amplitude is within two standard errors of zero: phase and fold count are hardly determined".into());
+    if folded && let Some(first) = sure.missing.first() {
+        notes.push(first.why.reason().into());
     }
+    if let BiasCorrection::Left(why @ (Uncorrected::SharpBends | Uncorrected::NoRoot | Uncorrected::BreaksRule)) = correction {
+        notes.push(format!("the bias of curvature was left in: {}", why.reason()));
+    }
+    let [x0_error, y0_error, phase_error, p_error, q_error, s_error] = sure.standard_errors;
     let (low, high) = if folded { hem.radius_range() } else { (hem.p, hem.p) };
     HemFit {
-        p: Estimate { value: hem.p, standard_error: p },
-        q: folded.then_some(Estimate { value: hem.q, standard_error: q }),
-        s: folded.then_some(Estimate { value: hem.s, standard_error: s }),
-        covariance,
+        p: Estimate { value: hem.p, standard_error: p_error },
+        q: folded.then_some(Estimate { value: hem.q, standard_error: q_error }),
+        s: folded.then_some(Estimate { value: hem.s, standard_error: s_error }),
+        placement_errors: [x0_error, y0_error, phase_error],
+        covariance: sure.covariance.map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c[i + 3][j + 3]))),
+        correlation: sure.covariance.as_ref().map(correlation),
+        standard_error_missing: sure.missing,
+        degrees_of_freedom: sure.degrees_of_freedom,
+        bias_correction: correction,
+        intervals: None,
         folds: folded.then_some(best.folds),
         folds_weight: weight,
         candidates,
