@@ -11,8 +11,11 @@ use super::outcome::{HeldLength, Termination};
 use super::trial::{Trial, Work};
 use crate::model::hem::Hem;
 
-/// σ̂·max|κ| beyond which ½σ²κ is no longer the mean shift: the next term of the expansion is of relative size (σκ)², here a tenth.
-pub const SHARPEST_BEND: f64 = 0.3;
+/// σ̂·max|κ| beyond which ½σ²κ is no longer the mean shift: the next term of the expansion is of relative size (σκ)², here a quarter. Measured at 0.45
+/// it still leaves a quarter of a standard error of s, of 1.6 without it (docs/uncertainty.md).
+pub const SHARPEST_BEND: f64 = 0.5;
+/// … and beyond which standard errors, which are of first order in σκ, are too small by a tenth or more.
+pub const NOTABLE_BEND: f64 = 0.3;
 /// Step, as a share of p, at which the root is reached.
 const TOLERANCE: f64 = 1e-11;
 
@@ -35,6 +38,8 @@ pub struct Correction {
     pub s: f64,
     /// σ̂, the noise that it was made for, m.
     pub sigma: f64,
+    /// σ̂·max|κ| before it: how sharp the bends are against the noise.
+    pub bend: f64,
     /// Gauss–Newton rounds.
     pub rounds: usize,
 }
@@ -107,8 +112,7 @@ pub(super) fn correct(trial: Trial, work: &Work, asked: bool) -> (Trial, BiasCor
 }
 
 fn folded(trial: Trial, work: &Work) -> (Trial, BiasCorrection) {
-    let unknowns: Unknowns =
-        [trial.placement.x0, trial.placement.y0, trial.placement.phase, trial.hem.p, trial.hem.q, trial.hem.s];
+    let unknowns: Unknowns = [trial.placement.x0, trial.placement.y0, trial.placement.phase, trial.hem.p, trial.hem.q, trial.hem.s];
     let equations = Equations {
         points: work.points,
         counts: None,
@@ -117,12 +121,14 @@ fn folded(trial: Trial, work: &Work) -> (Trial, BiasCorrection) {
         free: [true; 6],
         shift: Shift::Curvature,
         tolerance: TOLERANCE,
+        gain: 0.0,
     };
     let Some(at) = linearize(work.points, &unknowns, trial.folds, &trial.feet) else {
         return (trial, BiasCorrection::Left(Uncorrected::NoRoot));
     };
     let sigma = noise_variance(&at.distances, None, equations.determined()).sqrt();
-    if SHARPEST_BEND < sigma * at.curvatures.iter().fold(0.0, |most: f64, kappa| most.max(kappa.abs())) {
+    let bend = sigma * at.curvatures.iter().fold(0.0, |most: f64, kappa| most.max(kappa.abs()));
+    if SHARPEST_BEND < bend {
         return (trial, BiasCorrection::Left(Uncorrected::SharpBends));
     }
     let Some(root) = equations.root(unknowns, &trial.feet) else { return (trial, BiasCorrection::Left(Uncorrected::NoRoot)) };
@@ -136,13 +142,13 @@ fn folded(trial: Trial, work: &Work) -> (Trial, BiasCorrection) {
         q: hem.q.abs() - trial.hem.q.abs(),
         s: hem.s - trial.hem.s,
         sigma: root.variance.sqrt(),
+        bend,
         rounds: root.rounds,
     };
     let held = trial.held.map(|held| HeldLength { multiplier: root.multiplier.unwrap_or(held.multiplier), ..held });
     let sum_of_squares = root.at.distances.iter().map(|d| d * d).sum();
     let evaluations = trial.evaluations + root.rounds + 1;
-    let corrected =
-        Trial { hem, placement, feet: root.at.feet, distances: root.at.distances, sum_of_squares, held, evaluations, ..trial };
+    let corrected = Trial { hem, placement, feet: root.at.feet, distances: root.at.distances, sum_of_squares, held, evaluations, ..trial };
     (corrected, BiasCorrection::Applied(correction))
 }
 
@@ -150,14 +156,15 @@ fn folded(trial: Trial, work: &Work) -> (Trial, BiasCorrection) {
 fn round(trial: Trial, work: &Work) -> (Trial, BiasCorrection) {
     let radius = trial.hem.p;
     let variance = noise_variance(&trial.distances, None, 3);
-    if SHARPEST_BEND * radius < variance.sqrt() {
+    let bend = variance.sqrt() / radius;
+    if SHARPEST_BEND < bend {
         return (trial, BiasCorrection::Left(Uncorrected::SharpBends));
     }
     let corrected = 0.5 * (radius + (radius * radius - 2.0 * variance).sqrt());
     let change = corrected - radius;
     let distances: Vec<f64> = trial.distances.iter().map(|d| d - change).collect();
     debug_assert_eq!(distances.len(), work.points.len());
-    let correction = Correction { p: change, q: 0.0, s: 0.0, sigma: variance.sqrt(), rounds: 0 };
+    let correction = Correction { p: change, q: 0.0, s: 0.0, sigma: variance.sqrt(), bend, rounds: 0 };
     let sum_of_squares = distances.iter().map(|d| d * d).sum();
     let hem = Hem { p: corrected, ..trial.hem };
     (Trial { hem, distances, sum_of_squares, ..trial }, BiasCorrection::Applied(correction))

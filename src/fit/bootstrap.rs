@@ -14,11 +14,13 @@ use super::base::{Base, base};
 use super::estimating::{Equations, Shift, Unknowns, noise_variance};
 use super::orthogonal::curve;
 use super::outcome::HemFit;
-use super::uncertainty::{WhyMissing, Whitened};
+use super::uncertainty::{Whitened, WhyMissing};
 use crate::experiment::{DrapeProfile, Point};
 
 /// Replicates are fitted to this share of p, far below their scatter.
 const TOLERANCE: f64 = 1e-9;
+/// … or to where a step would take less than this share off the sum of squares: it is then a thousandth of a standard error, and is taken.
+const GAIN: f64 = 1e-9;
 
 /// A fit, ready to be replicated.
 pub struct Bootstrap<'a> {
@@ -118,6 +120,7 @@ impl<'a> Bootstrap<'a> {
             free: self.base.free,
             shift: if self.base.corrected { Shift::Curvature } else { Shift::None },
             tolerance: TOLERANCE,
+            gain: GAIN,
         };
         let mut unknowns = equations.root(self.base.unknowns, feet)?.unknowns;
         // Another curve than the one replicated: it has wandered off.

@@ -43,6 +43,8 @@ pub struct Equations<'a> {
     pub shift: Shift<'a>,
     /// Step at which the root counts as reached, as a share of p.
     pub tolerance: f64,
+    /// … or what a step would still take off the sum of squares, as a share of it; 0 asks for the root itself.
+    pub gain: f64,
 }
 
 /// A curve with what is local at the foot of every point.
@@ -154,19 +156,18 @@ impl Equations<'_> {
         for round in 1..=MOST_ROUNDS {
             let system = self.system(&x, &at, &residuals);
             let cost = weighed(&residuals, self.counts);
-            let (next, linear, moved) = loop {
+            let (next, linear, moved, gain) = loop {
                 if let Some(step) = system.step(damping) {
                     let next: Unknowns = std::array::from_fn(|j| x[j] + step[j]);
                     let moved = share(&step, x[3]);
                     if let Some(linear) = linearize(self.points, &next, self.folds, &at.feet) {
                         // The same shifts as before: only then is this a sum of squares that the step was made to lower.
-                        let shifted: Vec<f64> = (0..residuals.len())
-                            .map(|i| linear.distances[i] - (at.distances[i] - residuals[i]))
-                            .collect();
+                        let shifted: Vec<f64> =
+                            (0..residuals.len()).map(|i| linear.distances[i] - (at.distances[i] - residuals[i])).collect();
                         let noise = 8.0 * f64::EPSILON * (cost + size * (cost * residuals.len() as f64).sqrt());
                         // A step to the held perimeter may cost; and far below the tolerance of any user the cost is all rounding.
                         if weighed(&shifted, self.counts) <= cost + noise || !system.feasible || moved < 1e-7 {
-                            break (next, linear, moved);
+                            break (next, linear, moved, system.gain(&step));
                         }
                     }
                 }
@@ -181,7 +182,8 @@ impl Equations<'_> {
             // Steps that no longer shrink are rounding, magnified by how weakly the points determine the curve.
             stuck = if moved < 1e-9 && 0.5 * last < moved { stuck + 1 } else { 0 };
             last = moved;
-            if damping == 0.0 && (moved <= self.tolerance + rounding || 2 <= stuck) {
+            let flat = system.feasible && damping < 1e-2 && 0.0 < self.gain && gain <= self.gain * cost;
+            if flat || damping == 0.0 && (moved <= self.tolerance + rounding || 2 <= stuck) {
                 let multiplier = self.length.map(|_| self.system(&x, &at, &residuals).multiplier());
                 return x[3].is_finite().then_some(Root { unknowns: x, at, residuals, variance, multiplier, rounds: round });
             }
@@ -278,6 +280,11 @@ impl System {
         let solved = matrix.lu().solve(&right)?;
         let step: Unknowns = std::array::from_fn(|j| solved[j] / self.unit[j]);
         step.iter().all(|v| v.is_finite()).then_some(step)
+    }
+
+    /// What the linearized equations promise that a step takes off the sum of squares, m².
+    fn gain(&self, step: &Unknowns) -> f64 {
+        (0..6).map(|j| -self.gradient[j] * self.unit[j] * step[j]).sum()
     }
 
     fn multiplier(&self) -> f64 {

@@ -233,6 +233,9 @@ fn outcome(
     if let BiasCorrection::Left(why @ (Uncorrected::SharpBends | Uncorrected::NoRoot | Uncorrected::BreaksRule)) = correction {
         notes.push(format!("the bias of curvature was left in: {}", why.reason()));
     }
+    if correction.applied().is_some_and(|c| bias::NOTABLE_BEND < c.bend) {
+        notes.push("the noise is wide against the sharpest bend: standard errors are too small by a tenth or more".into());
+    }
     let [x0_error, y0_error, phase_error, p_error, q_error, s_error] = sure.standard_errors;
     let (low, high) = if folded { hem.radius_range() } else { (hem.p, hem.p) };
     HemFit {

@@ -22,6 +22,8 @@ pub const TOLERANCE: f64 = 1e-7;
 const FARTHEST: f64 = 50.0;
 /// Curves of a profile are fitted to this share of p; their sum of squares is then right to its square.
 const CURVE_TOLERANCE: f64 = 1e-9;
+/// … or to this share of it.
+const GAIN: f64 = 1e-12;
 
 /// The interval of one parameter within which |τ| < `cutoff` (Student's t on [`HemFit::degrees_of_freedom`] for a level).
 ///
@@ -59,6 +61,7 @@ pub fn interval(profile: &DrapeProfile, fit: &HemFit, parameter: Unknown, cutoff
             free,
             shift: Shift::Given(&base.shift),
             tolerance: CURVE_TOLERANCE,
+            gain: GAIN,
         },
     };
     // Exact points: nothing but the estimate is likely.

@@ -82,13 +82,8 @@ fn bootstrap(profile: &DrapeProfile, fit: &HemFit, options: &Options) -> ([Optio
         .collect();
     let fitted: Vec<[f64; 6]> = drawn.into_iter().flatten().collect();
     let failed = options.replicates - fitted.len();
-    let mut replicates = Replicates {
-        asked: options.replicates,
-        failed,
-        seed: options.seed,
-        standard_errors: [None; 4],
-        percentile: [None; 4],
-    };
+    let mut replicates =
+        Replicates { asked: options.replicates, failed, seed: options.seed, standard_errors: [None; 4], percentile: [None; 4] };
     let mut found = [None; 4];
     for (slot, parameter) in PARAMETERS.into_iter().enumerate() {
         let j = parameter as usize;
