@@ -6,15 +6,17 @@ use std::process::ExitCode;
 use clap::Args;
 use rayon::prelude::*;
 
-use super::{folds, hem_length, shade};
+use super::{folds, hem_length, interval_kind, level, on_off, shade};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
 use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
+use crate::fit::intervals::Kind;
 use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
 use crate::import::image;
 use crate::import::table;
 use crate::report::table::{FitRow, fits};
+use crate::study::intervals::{self, intervals};
 use crate::units::{MILLIMETRE, Metre};
 
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
@@ -24,7 +26,8 @@ use crate::units::{MILLIMETRE, Metre};
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
-hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n\n\
+hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n  \
+hemline fit skirt.csv --intervals profile --level 0.99\n  hemline fit skirt.csv --intervals bootstrap --replicates 2000 --seed 7\n\n\
 Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
 (compare rms_mm and explained_share) they are too small.\n\n\
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
@@ -45,6 +48,21 @@ pub struct Fit {
     /// What is the cloth in a silhouette.
     #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
     pub object: Shade,
+    /// Take out the bias that noise has where the curve bends: on, or off for the bare least-squares optimum.
+    #[arg(long, default_value = "on", value_parser = on_off, value_name = "on|off", action = clap::ArgAction::Set)]
+    pub bias_correction: bool,
+    /// Confidence intervals: standard (Student's t), profile (likelihood), bootstrap (distances drawn anew), case-bootstrap (points drawn anew).
+    #[arg(long, default_value = "standard", value_parser = interval_kind, value_name = "KIND")]
+    pub intervals: Kind,
+    /// Confidence level of the intervals.
+    #[arg(long, default_value = "0.95", value_parser = level, value_name = "0…1")]
+    pub level: f64,
+    /// Replicates of a bootstrap.
+    #[arg(long, default_value = "1000", value_name = "N", value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub replicates: u32,
+    /// Seed of a bootstrap: the same seed gives the same numbers, on any number of threads.
+    #[arg(long, default_value = "1", value_name = "N")]
+    pub seed: u64,
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
     pub json: bool,
@@ -73,9 +91,17 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
             }
         }
     }
-    let options = fit::Options { folds: args.folds, length: args.hem_length_cm, ..fit::Options::default() };
-    let results: Vec<Result<HemFit, String>> =
-        profiles.par_iter().map(|(_, profile)| fit::fit(profile, &options).map_err(|e| e.to_string())).collect();
+    let options =
+        fit::Options { folds: args.folds, length: args.hem_length_cm, bias_correction: args.bias_correction, ..fit::Options::default() };
+    let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
+    let results: Vec<Result<HemFit, String>> = profiles
+        .par_iter()
+        .map(|(_, profile)| {
+            let mut fitted = fit::fit(profile, &options).map_err(|e| e.to_string())?;
+            fitted.intervals = Some(intervals(profile, &fitted, &wanted));
+            Ok(fitted)
+        })
+        .collect();
     // Without cloth and cut there is no λ; the table says so in its own column.
     let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
     let rows = profiles.iter().zip(&results).map(|((name, profile), fit)| FitRow {

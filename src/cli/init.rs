@@ -187,6 +187,7 @@ const ANALYSIS: &str = r#"
 # alpha = 0.05                  # significance level of every test
 # folds = "auto"                # by evidence among 2 to 24; or a number; or { from = 3, to = 12 }
 # hem_length = "auto"           # "free", or hem_length_cm = 94.2 to hold the fitted curve at that length
+# bias_correction = "on"        # take out the bias that noise has where the curve bends, or "off"
 # gravity_m_s2 = 9.81
 # foundation_modulus_n_m3 = 0   # E of the functional
 # block = "day"                 # the column of design.csv that says what was done together (day, operator, bolt of cloth …); none unless told
@@ -332,9 +333,18 @@ mod tests {
         let default = import::load(&args.dir).unwrap_or_else(|e| panic!("{e}")).campaign;
         assert_eq!(default.check.theory_rms, None);
         edit(args.dir.join("campaign.toml"), |text| {
-            ["responses", "alpha", "folds", "hem_length", "gravity_m_s2", "foundation_modulus_n_m3", "drift_standard_errors"]
-                .iter()
-                .fold(text, |text, key| text.replace(&format!("# {key} ="), &format!("{key} =")))
+            [
+                "responses",
+                "alpha",
+                "folds",
+                "hem_length",
+                "bias_correction",
+                "gravity_m_s2",
+                "foundation_modulus_n_m3",
+                "drift_standard_errors",
+            ]
+            .iter()
+            .fold(text, |text, key| text.replace(&format!("# {key} ="), &format!("{key} =")))
         });
         let stated = import::load(&args.dir).unwrap_or_else(|e| panic!("{e}")).campaign;
         assert_eq!(default, stated);

@@ -16,6 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength, Shade};
+use crate::fit::intervals::Kind;
 use crate::import::Imported;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::CENTIMETRE;
@@ -113,6 +114,28 @@ fn hem_length(text: &str) -> Result<HemLength, String> {
             _ => Err(format!("“{text}” is no hem length: use auto, free, or a length in cm such as 163.4")),
         },
     }
+}
+
+/// `on` or `off`.
+fn on_off(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(format!("“{text}” is neither on nor off")),
+    }
+}
+
+/// A kind of confidence interval.
+fn interval_kind(text: &str) -> Result<Kind, String> {
+    let kinds = [Kind::Standard, Kind::Profile, Kind::Bootstrap, Kind::CaseBootstrap];
+    let found = kinds.into_iter().find(|kind| kind.name() == text);
+    found.ok_or_else(|| format!("“{text}” is no kind of interval: use standard, profile, bootstrap or case-bootstrap"))
+}
+
+/// A confidence level.
+fn level(text: &str) -> Result<f64, String> {
+    let wrong = || format!("“{text}” is no confidence level: use a number such as 0.95, from 0.5 to 0.9999");
+    text.parse::<f64>().ok().filter(|level| (0.5..=0.9999).contains(level)).ok_or_else(wrong)
 }
 
 /// `auto`, `dark` or `light`.

@@ -85,6 +85,7 @@ fn settings(study: &CampaignStudy) -> Vec<(String, String)> {
     vec![
         ("Fold count".into(), folds),
         ("Hem length".into(), length),
+        ("Bias of curvature".into(), if campaign.bias_correction { "taken out".into() } else { "left in, as asked".into() }),
         ("Significance level".into(), format!("{}", campaign.alpha)),
         ("Free fall".into(), format!("{} m/s²", campaign.gravity)),
         ("Foundation modulus E".into(), format!("{} N/m³", campaign.foundation_modulus)),

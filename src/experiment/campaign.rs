@@ -121,6 +121,8 @@ pub struct Campaign {
     pub alpha: f64,
     pub folds: Folds,
     pub hem_length: HemLength,
+    /// Take the bias of curvature out of every fit.
+    pub bias_correction: bool,
     /// Acceleration of free fall, m/s².
     pub gravity: f64,
     /// Foundation modulus E of the paper's functional, N/m³; 0 unless told.

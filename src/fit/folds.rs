@@ -2,16 +2,18 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::bias::{self, BiasCorrection, Uncorrected};
 use super::circle::{self, Circle};
 use super::even::Evidence;
 use super::frame::Frame;
 use super::matching::Matched;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, fractions, smooth};
-use super::sampling::{POINTS_A_FOLD, most_folds, note};
+use super::sampling::{POINTS_A_FOLD, most_folds, note, plainly_seen};
 use super::start::{Start, matched};
 use super::swift::{self, Swift};
 use super::trial::{Reached, Trial, Work, agrees};
+use super::uncertainty::{Fitted, Known, correlation, uncertainty};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
@@ -25,12 +27,21 @@ pub struct Options {
     pub length: HemLength,
     /// The hem's length where the cut is known, 2πR_n, m: what [`HemLength::Auto`] holds to. The outline's own smoothed length otherwise.
     pub cut_length: Option<f64>,
+    /// Take out the bias that noise has where the curve bends (docs/uncertainty.md).
+    pub bias_correction: bool,
     pub solver: least_squares::Options,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { folds: Folds::default(), length: HemLength::Auto, cut_length: None, solver: least_squares::Options::default() }
+        Options {
+            folds: Folds::default(),
+            length: HemLength::Auto,
+            cut_length: None,
+            // With noise of a tenth of the lean, half a standard error of s is bias.
+            bias_correction: true,
+            solver: least_squares::Options::default(),
+        }
     }
 }
 
@@ -81,6 +92,11 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
         Folds::Among { from, to } => (from.max(2), to),
         Folds::Exactly(m) => (m, m),
     };
+    if plainly_seen(points, to)
+        && let Some(fit) = swiftly(points, from..=to, options)
+    {
+        return Ok(fit);
+    }
     let (fractions, _) = fractions(points);
     let seen = most_folds(&fractions);
     if seen < from {
@@ -91,9 +107,6 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
         )));
     }
     let to = to.min(seen);
-    if let Some(fit) = swiftly(points, &fractions, from..=to, seen, options) {
-        return Ok(fit);
-    }
     let outline = smooth(profile);
     let work = Work::new(points, outline.places.clone(), &outline, options);
     let round = circle::fit(points);
@@ -105,7 +118,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
     if let Folds::Among { .. } = options.folds {
         trials.insert(0, Trial::round(&round, points, outline.length));
     }
-    let evaluations = trials.iter().map(|t| t.evaluations).sum();
+    let evaluations: usize = trials.iter().map(|t| t.evaluations).sum();
 
     let Some((best, candidates)) = choose(trials, &|trial| work.apart(trial), points.len() as f64) else {
         let tried = if from == to { format!("{from} folds") } else { format!("{from} to {to} folds") };
@@ -115,25 +128,34 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
     };
     let mut notes = notes(options, outline.length, points.len(), seen);
     notes.extend(note(&fractions, best.folds));
-    Ok(outcome(best, candidates, &round, outline.length, outline.noise, evaluations, notes))
+    let before = best.evaluations;
+    let (best, correction) = bias::correct(best, &work, options.bias_correction);
+    let evaluations = evaluations + best.evaluations - before;
+    let seen = Seen { points, round: &round, outline_length: outline.length, noise: outline.noise };
+    Ok(outcome(best, correction, None, candidates, &seen, evaluations, notes))
 }
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
-fn swiftly(points: &[Point], fractions: &[f64], folds: std::ops::RangeInclusive<u32>, seen: u32, options: &Options) -> Option<HemFit> {
+fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Options) -> Option<HemFit> {
     if matches!(options.length, HemLength::Held(_)) {
         return None;
     }
-    let Swift { mut trials, outline_length } = swift::fit(points, folds, options.solver.gradient_tolerance)?;
+    let asked = swift::Options { gradient_tolerance: options.solver.gradient_tolerance, bias_correction: options.bias_correction };
+    let Swift { mut trials, finished, outline_length } = swift::fit(points, folds, &asked)?;
     let round = circle::fit(points);
     if let Folds::Among { .. } = options.folds {
         trials.insert(0, Trial::round(&round, points, outline_length));
     }
-    let evaluations = trials.iter().map(|t| t.evaluations).sum();
+    let evaluations: usize = trials.iter().map(|t| t.evaluations).sum();
     let (best, candidates) = choose(trials, &|_| f64::INFINITY, points.len() as f64)?;
-    let mut notes = notes(options, outline_length, points.len(), seen);
-    notes.extend(note(fractions, best.folds));
+    let notes = notes(options, outline_length, points.len(), u32::MAX);
     let noise = best.rms();
-    Some(outcome(best, candidates, &round, outline_length, noise, evaluations, notes))
+    let before = best.evaluations;
+    // The circle is left to the careful path, which knows what else to say of it.
+    let finished = finished.into_iter().find(|f| f.trial.folds == best.folds)?;
+    let evaluations = evaluations + finished.trial.evaluations - before;
+    let seen = Seen { points, round: &round, outline_length, noise };
+    Some(outcome(finished.trial, finished.correction, Some(finished.known), candidates, &seen, evaluations, notes))
 }
 
 /// Every fold count tried, ascending: on about `enough` points, the best of them then on all.
@@ -281,17 +303,27 @@ fn ties(candidates: &[Candidate], chosen: u32, n: f64, misfit: bool) -> Vec<u32>
     if ties.len() < 2 { Vec::new() } else { ties }
 }
 
+/// What is known of an outline besides its fit.
+struct Seen<'a> {
+    points: &'a [Point],
+    round: &'a Circle,
+    /// m.
+    outline_length: f64,
+    /// m.
+    noise: f64,
+}
+
 fn outcome(
     best: Trial,
+    correction: BiasCorrection,
+    known: Option<Known>,
     candidates: Vec<Candidate>,
-    round: &Circle,
-    outline_length: f64,
-    noise: f64,
+    seen: &Seen,
     evaluations: usize,
     mut notes: Vec<String>,
 ) -> HemFit {
     let rms = best.rms();
-    let ties = ties(&candidates, best.folds, best.distances.len() as f64, MISFIT * noise < rms);
+    let ties = ties(&candidates, best.folds, best.distances.len() as f64, MISFIT * seen.noise < rms);
     if !ties.is_empty() {
         let weighed = ties.iter().filter_map(|m| candidates.iter().find(|c| c.folds == *m));
         let told: Vec<String> = weighed.map(|c| format!("{} (weight {:.2})", c.folds, c.weight.unwrap_or(0.0))).collect();
@@ -301,29 +333,41 @@ fn outcome(
     let (hem, placement) = best.hem.canonical(best.placement);
     // Canonical form moves the crest, and with it the origin of t.
     let turned = best.placement.phase - placement.phase + if best.hem.p < 0.0 { PI } else { 0.0 };
-    let feet = best.feet.iter().map(|t| wrapped(t + turned)).collect();
-    let covariance = match best.covariance {
-        // q → −q turns its covariances with p and s.
-        Ok(c) if (best.hem.q < 0.0) != (best.hem.p < 0.0) => {
-            Some(std::array::from_fn(|i| std::array::from_fn(|j| if (i == 1) != (j == 1) { -c[i][j] } else { c[i][j] })))
-        }
-        Ok(c) => Some(c),
-        Err(reason) => {
-            notes.push(format!("no standard errors: {reason}"));
-            None
-        }
-    };
-    let [p, q, s] = [0, 1, 2].map(|i| covariance.map(|c: [[f64; 3]; 3]| c[i][i].max(0.0).sqrt()));
+    let feet: Vec<f64> = best.feet.iter().map(|t| wrapped(t + turned)).collect();
+    let sure = uncertainty(&Fitted {
+        points: seen.points,
+        hem,
+        placement,
+        feet: &feet,
+        held: best.held.is_some(),
+        termination: &best.termination,
+        correction: &correction,
+        // q → −q turns its covariances with all others.
+        known: known.map(|known| if best.hem.q < 0.0 { known.turned() } else { known }),
+    });
     let folded = best.folds != 0;
-    if folded && q.is_some_and(|se| hem.q < 2.0 * se) {
-        notes.push("the fold amplitude is within two standard errors of zero: phase and fold count are hardly determined".into());
+    if folded && let Some(first) = sure.missing.first() {
+        notes.push(first.why.reason().into());
     }
+    if let BiasCorrection::Left(why @ (Uncorrected::SharpBends | Uncorrected::NoRoot | Uncorrected::BreaksRule)) = correction {
+        notes.push(format!("the bias of curvature was left in: {}", why.reason()));
+    }
+    if correction.applied().is_some_and(|c| bias::NOTABLE_BEND < c.bend) {
+        notes.push("the noise is wide against the sharpest bend: standard errors are too small by a tenth or more".into());
+    }
+    let [x0_error, y0_error, phase_error, p_error, q_error, s_error] = sure.standard_errors;
     let (low, high) = if folded { hem.radius_range() } else { (hem.p, hem.p) };
     HemFit {
-        p: Estimate { value: hem.p, standard_error: p },
-        q: folded.then_some(Estimate { value: hem.q, standard_error: q }),
-        s: folded.then_some(Estimate { value: hem.s, standard_error: s }),
-        covariance,
+        p: Estimate { value: hem.p, standard_error: p_error },
+        q: folded.then_some(Estimate { value: hem.q, standard_error: q_error }),
+        s: folded.then_some(Estimate { value: hem.s, standard_error: s_error }),
+        placement_errors: [x0_error, y0_error, phase_error],
+        covariance: sure.covariance.map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c[i + 3][j + 3]))),
+        correlation: sure.covariance.as_ref().map(correlation),
+        standard_error_missing: sure.missing,
+        degrees_of_freedom: sure.degrees_of_freedom,
+        bias_correction: correction,
+        intervals: None,
         folds: folded.then_some(best.folds),
         folds_weight: weight,
         ties,
@@ -332,8 +376,8 @@ fn outcome(
         perimeter: if folded { hem.perimeter() } else { TAU * hem.p },
         area: hem.area(),
         fold_depth: high - low,
-        outline_length,
-        explained: (1.0 - best.sum_of_squares / round.sum_of_squares).clamp(0.0, 1.0),
+        outline_length: seen.outline_length,
+        explained: (1.0 - best.sum_of_squares / seen.round.sum_of_squares).clamp(0.0, 1.0),
         held: best.held,
         termination: best.termination,
         distances: best.distances,

@@ -29,8 +29,13 @@ impl Frame {
     /// `None` if the outline can be fitted as it is.
     pub(super) fn of(profile: &DrapeProfile) -> Option<Frame> {
         let points = profile.points();
-        let farthest = points.iter().fold(0.0_f64, |a, p| a.max(p.x.abs()).max(p.y.abs()));
-        let extent = points.iter().map(|p| p.distance(points[0])).fold(0.0, f64::max);
+        let (mut farthest, mut square) = (0.0_f64, 0.0_f64);
+        for point in points {
+            farthest = farthest.max(point.x.abs()).max(point.y.abs());
+            let (dx, dy) = (point.x - points[0].x, point.y - points[0].y);
+            square = square.max(dx * dx + dy * dy);
+        }
+        let extent = square.sqrt();
         let usual = USUAL.contains(&extent);
         if usual && farthest <= FAR * extent {
             return None;

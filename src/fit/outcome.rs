@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use super::bias::BiasCorrection;
+use super::intervals::Intervals;
+use super::uncertainty::MissingError;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
 
@@ -85,8 +88,20 @@ pub struct HemFit {
     /// `None` where the outline shows no folds.
     pub q: Option<Estimate>,
     pub s: Option<Estimate>,
-    /// Covariance of (p, q, s), m²; `None` where the outline does not determine them.
+    /// Standard errors of x0, y0 (m) and phase (rad).
+    pub placement_errors: [Option<f64>; 3],
+    /// Covariance of (p, q, s), m²: `σ̂²(JᵀJ)⁻¹`; `None` where the outline does not determine them.
     pub covariance: Option<[[f64; 3]; 3]>,
+    /// Correlation of (x0, y0, phase, p, q, s); `None` where one of them has no standard error.
+    pub correlation: Option<[[f64; 6]; 6]>,
+    /// Every estimate without a standard error, and why.
+    pub standard_error_missing: Vec<MissingError>,
+    /// Points less determined unknowns.
+    pub degrees_of_freedom: usize,
+    /// What became of the bias of curvature; distances, feet and rms are those of the curve reported, corrected or not.
+    pub bias_correction: BiasCorrection,
+    /// Confidence intervals, where they were asked for (`study::intervals`).
+    pub intervals: Option<Intervals>,
     /// `None` where the outline shows no folds.
     pub folds: Option<u32>,
     /// Akaike weight of the chosen fold count among the sane candidates.

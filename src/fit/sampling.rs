@@ -1,5 +1,7 @@
 //! How many folds can the points of an outline show?
 
+use crate::experiment::Point;
+
 /// Points round the outline that one fold needs: its second harmonic, twice.
 pub(super) const POINTS_A_FOLD: usize = 4;
 /// A stretch of four points may be this much longer than a fold: points are never quite even.
@@ -17,6 +19,20 @@ pub(super) fn most_folds(fractions: &[f64]) -> u32 {
         most -= 1;
     }
     most
+}
+
+/// Whether every stretch of the outline shows `folds` folds beyond doubt: its longest step is short enough everywhere.
+pub(super) fn plainly_seen(points: &[Point], folds: u32) -> bool {
+    let mut last = points[points.len() - 1];
+    let (mut longest, mut length) = (0.0_f64, 0.0);
+    for &point in points {
+        let (dx, dy) = (point.x - last.x, point.y - last.y);
+        let step = (dx * dx + dy * dy).sqrt();
+        longest = longest.max(step);
+        length += step;
+        last = point;
+    }
+    POINTS_A_FOLD as f64 * f64::from(folds) * longest <= UNEVEN * length && POINTS_A_FOLD * folds as usize <= points.len()
 }
 
 /// Share of the outline that has fewer than four points a fold.

@@ -14,7 +14,7 @@ use super::start::{LengthTable, Start};
 use crate::experiment::Point;
 use crate::experiment::campaign::HemLength;
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::least_squares::{self, covariance};
+use crate::numerics::least_squares;
 
 /// Below this share of the radius a match by equal lengths is near enough to start from; beyond it folds drift apart and are warped.
 const CLOSE_MATCH: f64 = 0.03;
@@ -46,8 +46,6 @@ pub(super) struct Trial {
     pub held: Option<HeldLength>,
     pub termination: Termination,
     pub broken: Option<Rule>,
-    /// Covariance of (p, q, s), m², or why there is none.
-    pub covariance: Result<[[f64; 3]; 3], String>,
     pub evaluations: usize,
     /// The match itself, where that is what is reported.
     pub matched: Option<Matched>,
@@ -70,7 +68,6 @@ impl Trial {
             held: None,
             termination: Termination::NoFolds,
             broken: (TAU * round.radius * (1.0 + LENGTH_SLACK) < outline_length).then_some(Rule::Length),
-            covariance: Ok([[round.radius_error * round.radius_error, 0.0, 0.0], [0.0; 3], [0.0; 3]]),
             evaluations: 1,
             matched: None,
         }
@@ -105,7 +102,6 @@ impl Trial {
             held: None,
             termination: Termination::NotPursued,
             broken: None,
-            covariance: Err("not fitted".into()),
             evaluations: 0,
             matched: None,
         }
@@ -124,7 +120,6 @@ impl Trial {
         feet: Vec<f64>,
         distances: Vec<f64>,
         sum_of_squares: f64,
-        covariance: [[f64; 3]; 3],
         evaluations: usize,
     ) -> Trial {
         Trial {
@@ -139,7 +134,6 @@ impl Trial {
             held: None,
             termination: Termination::Converged,
             broken: None,
-            covariance: Ok(covariance),
             evaluations,
             matched: None,
         }
@@ -346,9 +340,6 @@ impl<'a> Work<'a> {
             least_squares::Termination::EvaluationLimit => Termination::EvaluationLimit,
             _ => termination,
         };
-        let covariance = covariance(&summary, &UNKNOWNS)
-            .map_err(|e| e.to_string())
-            .map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c.matrix[(i + 3, j + 3)])));
         let held = length.zip(summary.multiplier).map(|(length, multiplier)| HeldLength { length, multiplier });
         Trial {
             folds: hem.folds,
@@ -362,7 +353,6 @@ impl<'a> Work<'a> {
             held,
             termination,
             broken,
-            covariance,
             evaluations,
             matched: None,
         }
@@ -390,7 +380,6 @@ impl<'a> Work<'a> {
             feet.push(foot.t);
         }
         let broken = self.broken(&hem, &placement, &feet, &distances);
-        let reason = "the curve was matched in order, not fitted by orthogonal distance".to_string();
         Trial {
             folds: hem.folds,
             hem,
@@ -403,13 +392,12 @@ impl<'a> Work<'a> {
             held: None,
             termination: Termination::InOrder { broken: rule },
             broken,
-            covariance: Err(reason),
             evaluations: 0,
             matched: Some(matched),
         }
     }
 
-    fn broken(&self, hem: &Hem, placement: &Placement, feet: &[f64], distances: &[f64]) -> Option<Rule> {
+    pub(super) fn broken(&self, hem: &Hem, placement: &Placement, feet: &[f64], distances: &[f64]) -> Option<Rule> {
         let farthest = distances.iter().fold(0.0_f64, |a, d| a.max(d.abs()));
         let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
         broken(

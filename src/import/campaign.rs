@@ -73,6 +73,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         alpha: file.alpha,
         folds: file.folds,
         hem_length: file.hem_length,
+        bias_correction: file.bias_correction,
         gravity: file.gravity,
         foundation_modulus: file.foundation_modulus,
         pictures: file.pictures,

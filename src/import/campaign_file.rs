@@ -55,6 +55,7 @@ pub(super) struct CampaignFile {
     pub alpha: f64,
     pub folds: Folds,
     pub hem_length: HemLength,
+    pub bias_correction: bool,
     pub gravity: f64,
     pub foundation_modulus: f64,
     pub pictures: Option<Pictures>,
@@ -118,6 +119,7 @@ struct Analysis {
     hem_length_cm: Option<Spanned<f64>>,
     hem_length_mm: Option<Spanned<f64>>,
     hem_length_m: Option<Spanned<f64>>,
+    bias_correction: Option<OnOff>,
     gravity_m_s2: Option<Spanned<f64>>,
     foundation_modulus_n_m3: Option<Spanned<f64>>,
 }
@@ -148,6 +150,13 @@ struct FoldRange {
 enum HemLengthGiven {
     Auto,
     Free,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum OnOff {
+    On,
+    Off,
 }
 
 #[derive(Deserialize, Default)]
@@ -277,6 +286,7 @@ impl Reader<'_> {
             alpha,
             folds,
             hem_length,
+            bias_correction: !matches!(analysis.bias_correction, Some(OnOff::Off)),
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
             foundation_modulus: self
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,

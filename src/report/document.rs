@@ -103,6 +103,7 @@ fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
     }
     fact("Folds", folds(campaign.folds));
     fact("Hem length", hem_length(campaign.hem_length));
+    fact("Bias of curvature", if campaign.bias_correction { "taken out of every fit".into() } else { "left in, as asked".into() });
     fact("Gravity", format!("{} m/s²", plain(campaign.gravity)));
     fact("Significance level", plain(campaign.alpha));
     match study.sources.as_slice() {

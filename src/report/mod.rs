@@ -14,6 +14,7 @@ pub mod output;
 pub mod paper;
 pub mod raster;
 pub mod summary;
+mod sureness;
 pub mod table;
 pub mod typeset;
 pub mod words;

@@ -48,6 +48,7 @@ fn analysed() -> CampaignStudy {
         alpha: 0.05,
         folds: Folds::default(),
         hem_length: HemLength::Auto,
+        bias_correction: true,
         gravity: 9.81,
         foundation_modulus: 0.0,
         pictures: None,

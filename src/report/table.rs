@@ -2,6 +2,7 @@
 
 use super::csv::{Cell, Table};
 use super::note;
+use super::sureness;
 use crate::experiment::DrapeProfile;
 use crate::experiment::Quarantined;
 use crate::fit::lambda::Lambda;
@@ -11,7 +12,7 @@ use crate::study::campaign::RunStudy;
 use crate::units::{MILLIMETRE, PERCENT};
 
 /// The columns of `fits.csv` in order; the first 23 are fixed for good, later ones may be added to at the end.
-pub const FIT_COLUMNS: [&str; 55] = [
+pub const FIT_COLUMNS: [&str; 89] = [
     "run",
     "n_points",
     "termination",
@@ -66,6 +67,40 @@ pub const FIT_COLUMNS: [&str; 55] = [
     "theory_minus_fit_fold_depth_mm",
     "theory_minus_fit_mean_radius_mm",
     "theory_minus_fit_m",
+    "x0_se_mm",
+    "y0_se_mm",
+    "phase_se_rad",
+    "standard_error_missing",
+    "degrees_of_freedom",
+    "correlation_p_q",
+    "correlation_p_s",
+    "correlation_q_s",
+    "correlation_q_phase",
+    "correlation_s_phase",
+    "bias_correction",
+    "bias_p_mm",
+    "bias_q_mm",
+    "bias_s_mm",
+    "bias_sigma_mm",
+    "bias_bend",
+    "bias_rounds",
+    "interval_kind",
+    "interval_level",
+    "p_low_mm",
+    "p_high_mm",
+    "q_low_mm",
+    "q_high_mm",
+    "s_low_mm",
+    "s_high_mm",
+    "phase_low_rad",
+    "phase_high_rad",
+    "intervals_open",
+    "replicates",
+    "replicates_failed",
+    "bootstrap_p_se_mm",
+    "bootstrap_q_se_mm",
+    "bootstrap_s_se_mm",
+    "bootstrap_phase_se_rad",
     "notes",
 ];
 
@@ -118,7 +153,7 @@ fn fit_row(row: &FitRow<'_>) -> Vec<Cell> {
     let at_fitted = row.study.and_then(|s| s.prediction_at_fitted_folds.as_ref());
     let comparison = row.study.and_then(|s| s.comparison.as_ref());
     let notes = row.study.map_or_else(|| fit_notes(row.fit), note::of);
-    vec![
+    let mut cells: Vec<Cell> = vec![
         row.run.into(),
         row.profile.map(|p| p.points().len()).into(),
         termination.into(),
@@ -173,8 +208,10 @@ fn fit_row(row: &FitRow<'_>) -> Vec<Cell> {
         comparison.map(|c| c.depth / MILLIMETRE).into(),
         comparison.map(|c| c.mean_radius / MILLIMETRE).into(),
         comparison.map(|c| c.folds).into(),
-        (!notes.is_empty()).then(|| notes.join(" ")).into(),
-    ]
+    ];
+    cells.extend(sureness::cells(fit));
+    cells.push((!notes.is_empty()).then(|| notes.join(" ")).into());
+    cells
 }
 
 fn fit_notes(fit: &Result<HemFit, String>) -> Vec<String> {

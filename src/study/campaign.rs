@@ -7,6 +7,7 @@ use super::comparison::{Comparison, compare};
 use super::desirable::{Desirable, desirable};
 use super::fidelities::{self, FidelityRun};
 use super::further::{self, Further, Series};
+use super::intervals::{self, intervals};
 use super::response;
 use crate::experiment::campaign::Response;
 use crate::experiment::profile::signed_area;
@@ -135,13 +136,22 @@ pub(super) fn fit_options(campaign: &Campaign, run: &Run) -> fit::Options {
     // A skirt's hem hangs nearly level, so its plan view is as long as the cloth was cut; the edge on a drape tester rises and falls.
     let cut = run.skirt.as_ref().filter(|_| campaign.apparatus == Apparatus::Skirt);
     let cut_length = cut.map(|skirt| std::f64::consts::TAU * skirt.hem_radius().0);
-    fit::Options { folds: campaign.folds, length: campaign.hem_length, cut_length, ..fit::Options::default() }
+    fit::Options {
+        folds: campaign.folds,
+        length: campaign.hem_length,
+        cut_length,
+        bias_correction: campaign.bias_correction,
+        ..fit::Options::default()
+    }
 }
 
 /// Fits the profile and takes everything from the fit that needs no theory.
 pub(super) fn measure(campaign: &Campaign, study: &mut RunStudy, options: &fit::Options) {
     let (Some(profile), run) = (&study.profile, &study.run) else { return };
     study.fit = fit::fit(profile, options).map_err(|e| e.to_string());
+    if let Ok(fitted) = &mut study.fit {
+        fitted.intervals = Some(intervals(profile, fitted, &intervals::Options::default()));
+    }
     study.drape_coefficient =
         run.skirt.as_ref().filter(|_| campaign.apparatus == Apparatus::Drapemeter).map(|s| drape_coefficient(s, profile.points()));
     let Ok(fitted) = &study.fit else { return };

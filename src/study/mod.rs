@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod further;
 pub mod desirable;
 pub mod fidelities;
+pub mod intervals;
 pub mod overview;
 pub mod paper;
 pub mod response;

@@ -21,8 +21,6 @@ const ENOUGH: f64 = 1e-5;
 pub(super) struct Wish {
     /// Largest cosine between the residuals and a column of the Jacobian.
     pub gradient_tolerance: f64,
-    /// Take off the shift that noise makes of the curvature.
-    pub bias_correction: bool,
     /// A fit that cannot come below this sum of squares is of no interest, m².
     pub beaten: f64,
 }
@@ -41,9 +39,18 @@ pub(super) enum Ended {
 pub(super) struct Optimum {
     pub curve: Curve,
     pub sums: Sums,
-    /// Noise variance whose shift was taken off, m²; 0 if none was.
-    pub noise_variance: f64,
+    /// Factor of the second derivatives there, or of what is near enough to them.
+    factor: Triangle,
     pub evaluations: usize,
+}
+
+/// The root of the equations without the bias of curvature, near a minimum.
+pub(super) struct Corrected {
+    pub curve: Curve,
+    pub sums: Sums,
+    /// Noise variance whose shift was taken off, m².
+    pub noise_variance: f64,
+    pub rounds: usize,
 }
 
 /// Rounds of looking for nearer feet. Feet that move lower the sum of squares, so this ends; in practice after one round.
@@ -142,19 +149,17 @@ fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evalu
     let mut curve = *start;
     let mut change = [0.0; UNKNOWNS];
     let mut last = f64::INFINITY;
-    let mut noise_variance = 0.0;
     let mut factor: Option<Triangle> = None;
     let mut curved = false;
-    // The curve's size over the rounding of a coordinate difference.
-    let rounding = 32.0 * f64::EPSILON * (curve.hem.p + curve.hem.q.abs());
+    let rounding = rounding(&curve);
     for round in 0..LIMIT {
-        let sums = evaluate(all, &curve, &change, 0.5 * noise_variance, curved);
+        let sums = evaluate(all, &curve, &change, 0.0, curved);
         *evaluations += 1;
         if !sums.square.is_finite() {
             return Ended::Lost;
         }
         let norm = sums.square.sqrt();
-        let steepest = (0..UNKNOWNS).map(|k| sums.gradient[k].abs() / sums.normal[k][k].sqrt()).fold(0.0, f64::max);
+        let steepest = steepest(&sums);
         let cosine = steepest / norm.max(f64::MIN_POSITIVE);
         if factor.is_none() && NEAR <= cosine {
             if 3 <= round && last < sums.square {
@@ -167,10 +172,17 @@ fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evalu
         }
         let at_rest = sums.slip <= (wish.gradient_tolerance * norm).powi(2) + (rounding * rounding) * all.count as f64;
         let settled = steepest <= wish.gradient_tolerance * norm + rounding;
-        let noise = if wish.bias_correction { noise_variance_of(all) } else { 0.0 };
-        let same_noise = (noise - noise_variance).abs() <= 1e-9 * noise;
-        if settled && at_rest && same_noise && (factor.is_some() || curved && cholesky(&sums.hessian, 0.0).is_some()) {
-            return Ended::Converged(Optimum { curve, sums, noise_variance, evaluations: *evaluations });
+        if settled && at_rest {
+            // A root of the gradient is a minimum only where the second derivatives say so.
+            let proof = factor.or_else(|| if curved { cholesky(&sums.hessian, 0.0) } else { None });
+            if let Some(factor) = proof {
+                return Ended::Converged(Optimum { curve, sums, factor, evaluations: *evaluations });
+            }
+            if curved {
+                return Ended::Lost;
+            }
+            (change, curved) = ([0.0; UNKNOWNS], true);
+            continue;
         }
         if cosine < NEAR && wish.beaten < sums.square {
             return Ended::Beaten { sum_of_squares: sums.square };
@@ -181,9 +193,6 @@ fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evalu
         }
         // A step of Newton squares what is left: two of them from 1e-3, and the last needs no derivatives any more.
         curved = (ENOUGH..10.0 * NEAR).contains(&cosine);
-        if cosine < NEAR || factor.is_some() {
-            noise_variance = noise;
-        }
         let step = match &factor {
             Some(triangle) => triangle.solve(&sums.gradient),
             None => match cholesky(&sums.normal, damping) {
@@ -194,26 +203,70 @@ fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evalu
         damping *= 0.2;
         last = sums.square;
         change = step;
-        curve.x0 += step[0];
-        curve.y0 += step[1];
-        let (sin, cos) = step[2].sin_cos();
-        (curve.cos, curve.sin) = (curve.cos * cos - curve.sin * sin, curve.sin * cos + curve.cos * sin);
-        curve.hem.p += step[3];
-        curve.hem.q += step[4];
-        curve.hem.s += step[5];
+        curve.take(&step);
     }
     Ended::Lost
 }
 
+/// Goes on from a minimum to the root of Σ Jᵢ (dᵢ − ½σ̂²κᵢ) = 0 ([`super::super::bias`]); `None` if it is not reached.
+pub(super) fn correct(all: &mut Blocks, optimum: &Optimum, gradient_tolerance: f64) -> Option<Corrected> {
+    const ROUNDS: usize = 20;
+    let mut curve = optimum.curve;
+    let mut change = [0.0; UNKNOWNS];
+    let rounding = rounding(&curve);
+    let mut noise_variance = noise_variance_of(all);
+    for rounds in 1..=ROUNDS {
+        let sums = evaluate(all, &curve, &change, 0.5 * noise_variance, false);
+        let norm = sums.square.sqrt();
+        let steepest = steepest(&sums);
+        if !steepest.is_finite() {
+            return None;
+        }
+        let noise = noise_variance_of(all);
+        let at_rest = sums.slip <= (gradient_tolerance * norm).powi(2) + (rounding * rounding) * all.count as f64;
+        let same_noise = (noise - noise_variance).abs() <= gradient_tolerance * noise;
+        if steepest <= gradient_tolerance * norm + rounding && at_rest && same_noise {
+            return Some(Corrected { curve, sums, noise_variance, rounds });
+        }
+        noise_variance = noise;
+        change = optimum.factor.solve(&sums.gradient);
+        curve.take(&change);
+    }
+    None
+}
+
+/// Largest gradient by an unknown whose column has unit length, m.
+fn steepest(sums: &Sums) -> f64 {
+    (0..UNKNOWNS).map(|k| sums.gradient[k].abs() / sums.normal[k][k].sqrt()).fold(0.0, f64::max)
+}
+
+/// The curve's size times the rounding of a coordinate difference, m.
+fn rounding(curve: &Curve) -> f64 {
+    32.0 * f64::EPSILON * (curve.hem.p + curve.hem.q.abs())
+}
+
 /// The noise in the corrected distances: their mean square with its degrees of freedom, or that of their differences along the outline if it is
 /// less (von Neumann, Annals of Mathematical Statistics 12 (1941) 367–395): a smooth misfit is not noise.
-fn noise_variance_of(all: &Blocks) -> f64 {
+pub(super) fn noise_variance_of(all: &Blocks) -> f64 {
     let (squares, differences) = super::kernel::spread(all);
     let n = all.count as f64;
     (squares / (n - UNKNOWNS as f64)).min(0.5 * differences / n)
 }
 
+impl Curve {
+    fn take(&mut self, step: &[f64; UNKNOWNS]) {
+        self.x0 += step[0];
+        self.y0 += step[1];
+        let (sin, cos) = step[2].sin_cos();
+        (self.cos, self.sin) = (self.cos * cos - self.sin * sin, self.sin * cos + self.cos * sin);
+        self.hem.p += step[3];
+        self.hem.q += step[4];
+        self.hem.s += step[5];
+    }
+}
+
 /// A lower triangle L with LLᵀ the scaled matrix, and the scales.
+#[derive(Clone, Copy)]
 pub(super) struct Triangle {
     lower: [[f64; UNKNOWNS]; UNKNOWNS],
     scale: [f64; UNKNOWNS],

@@ -66,6 +66,10 @@ pub(super) struct Sums {
     pub square: f64,
     /// Sum of squared offsets along the tangent: zero where the feet are the nearest points, m².
     pub slip: f64,
+    /// Sum of squared corrected distances, m².
+    pub corrected: f64,
+    /// Greatest curvature in size, 1/m.
+    pub sharpest: f64,
 }
 
 impl Blocks {
@@ -180,7 +184,7 @@ vectorized! {
         let mut normal = [Lanes::ZERO; TRIANGLE];
         let mut second = [Lanes::ZERO; TRIANGLE];
         let mut gradient = [Lanes::ZERO; UNKNOWNS];
-        let (mut square, mut slip) = (Lanes::ZERO, Lanes::ZERO);
+        let (mut square, mut slip, mut residual, mut sharpest) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
         let last = all.blocks.len() - 1;
         for (index, block) in all.blocks.iter_mut().enumerate() {
             let live = if index == last { all.tail } else { Lanes::all(1.0) };
@@ -212,6 +216,8 @@ vectorized! {
             let curvature = (vr * at - vt * ar) * (slowness * by_square);
             let corrected = distance - half_variance * curvature;
             block.corrected = corrected;
+            residual = residual + live * (corrected * corrected);
+            sharpest = sharpest.max(curvature.abs());
             square = square + live * (or * or + ot * ot);
             slip = slip + live * (along * along * by_square);
             let row = [
@@ -274,6 +280,8 @@ vectorized! {
             gradient: gradient.map(Lanes::sum),
             square: square.sum(),
             slip: slip.sum(),
+            corrected: residual.sum(),
+            sharpest: sharpest.greatest(),
         };
         let mut entry = 0;
         for i in 0..UNKNOWNS {
@@ -323,8 +331,6 @@ pub(super) struct Finish {
     pub speed: Vec<f64>,
     /// Unit tangent at each foot in the frame of the measurement.
     pub tangent: Vec<(f64, f64)>,
-    /// Greatest curvature in size, 1/m.
-    pub sharpest: f64,
     /// Whether the position turns counter-clockwise at every foot: no overhang there.
     pub ascends: bool,
 }
@@ -337,19 +343,15 @@ vectorized! {
             feet: Vec::with_capacity(size),
             speed: Vec::with_capacity(size),
             tangent: Vec::with_capacity(size),
-            sharpest: 0.0,
             ascends: true,
         };
-        let mut sharpest = Lanes::ZERO;
         let mut least_turn = Lanes::all(f64::INFINITY);
         for block in &all.blocks {
             let foot = (block.cos, block.sin);
-            let Local { rho, tau, velocity: (vr, vt), acceleration: (ar, at), .. } = local(&curve.hem, foot);
-            let gauss = vr * vr + vt * vt;
-            let speed = gauss.sqrt();
+            let Local { rho, tau, velocity: (vr, vt), .. } = local(&curve.hem, foot);
+            let speed = (vr * vr + vt * vt).sqrt();
             let (ex, ey) = (block.cos * curve.cos - block.sin * curve.sin, block.cos * curve.sin + block.sin * curve.cos);
             let (tx, ty) = ((vr * ex - vt * ey) / speed, (vr * ey + vt * ex) / speed);
-            sharpest = sharpest.max(((vr * at - vt * ar) / (gauss * speed)).abs());
             least_turn = -((-least_turn).max(-(rho * vt - tau * vr)));
             finish.feet.extend_from_slice(&angle(foot).0);
             finish.speed.extend_from_slice(&speed.0);
@@ -358,7 +360,6 @@ vectorized! {
         finish.feet.truncate(all.count);
         finish.speed.truncate(all.count);
         finish.tangent.truncate(all.count);
-        finish.sharpest = sharpest.greatest();
         finish.ascends = 0.0 < -(-least_turn).greatest();
         finish
     }

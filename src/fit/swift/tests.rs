@@ -11,7 +11,9 @@ use crate::fit::orthogonal;
 use crate::fit::outline::smooth;
 use crate::fit::rules::{Evidence, broken};
 use crate::model::hem::Hem;
-use crate::numerics::least_squares::Options;
+use crate::numerics::least_squares;
+
+const PLAIN: Options = Options { gradient_tolerance: 1e-10, bias_correction: false };
 
 fn normal(generator: &mut impl Rng) -> f64 {
     let (u, v): (f64, f64) = (generator.random(), generator.random());
@@ -46,13 +48,20 @@ fn what_is_certified_is_the_careful_optimum_and_obeys_every_rule() {
         let count = [120, 360, 720][case % 3].max(12 * folds as usize);
         let profile = DrapeProfile::new(&outline(&mut generator, &hem, noise, count)).expect("an outline");
         tried += 1;
-        let Some(Swift { trials, outline_length }) = fit(profile.points(), folds..=folds, 1e-10) else { continue };
+        let Some(Swift { finished, outline_length, .. }) = fit(profile.points(), folds..=folds, &PLAIN) else { continue };
         certified += 1;
-        let found = &trials[0];
+        let found = &finished[0].trial;
         // Once more from there by the general engine: nothing may move but by rounding.
-        let careful =
-            orthogonal::fit(profile.points(), found.hem, found.placement, found.feet.clone(), None, f64::INFINITY, &Options::default())
-                .expect("more points than unknowns");
+        let careful = orthogonal::fit(
+            profile.points(),
+            found.hem,
+            found.placement,
+            found.feet.clone(),
+            None,
+            f64::INFINITY,
+            &least_squares::Options::default(),
+        )
+        .expect("more points than unknowns");
         let moved = [careful.hem.p - found.hem.p, careful.hem.q - found.hem.q, careful.hem.s - found.hem.s];
         // 1e-10 of the standard errors, which are below the noise, and rounding of coordinates of 0.2 m.
         assert!(moved.iter().all(|d| d.abs() < 1e-9 * noise + 1e-14), "case {case}: {moved:?}");
@@ -64,6 +73,7 @@ fn what_is_certified_is_the_careful_optimum_and_obeys_every_rule() {
             outline: &smoothed,
             points: profile.points(),
             feet: &found.feet,
+            distances: &found.distances,
             farthest,
             rms: found.rms(),
             length: outline_length,
@@ -84,7 +94,7 @@ fn an_outline_with_a_misfit_is_left_to_the_careful_path() {
         // One fold is deeper than the others.
         .map(|(i, p)| if i < 51 { Point::new(1.05 * p.x, 1.05 * p.y) } else { p })
         .collect();
-    assert!(fit(&points, 2..=24, 1e-10).is_none());
+    assert!(fit(&points, 2..=24, &PLAIN).is_none());
 }
 
 #[test]
@@ -93,8 +103,36 @@ fn another_fold_count_is_found_with_the_right_one_beside_it() {
     for folds in [2, 3, 5, 8, 13, 24] {
         let hem = Hem { p: 0.2, q: 0.02, s: 0.004, folds };
         let profile = DrapeProfile::new(&outline(&mut generator, &hem, 1e-3, 480)).expect("an outline");
-        let Swift { trials, .. } = fit(profile.points(), 2..=24, 1e-10).expect("a plain hem");
+        let Swift { trials, .. } = fit(profile.points(), 2..=24, &PLAIN).expect("a plain hem");
         let best = trials.iter().filter(|t| t.sane()).min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares)).expect("one is sane");
         assert_eq!(best.folds, folds);
+    }
+}
+
+#[test]
+fn the_correction_is_that_of_the_careful_path() {
+    let mut generator = ChaCha8Rng::seed_from_u64(11);
+    let hem = Hem { p: 0.2, q: 0.03, s: 0.015, folds: 8 };
+    for noise in [5e-4, 1e-3, 2e-3] {
+        let points = outline(&mut generator, &hem, noise, 360);
+        let asked = Options { bias_correction: true, ..PLAIN };
+        let swift = fit(&points, 8..=8, &asked).expect("a plain hem").finished.remove(0);
+        let plain = fit(&points, 8..=8, &PLAIN).expect("a plain hem").finished.remove(0).trial;
+        let profile = DrapeProfile::new(&points).expect("an outline");
+        let smoothed = smooth(&profile);
+        let options = crate::fit::Options::default();
+        let work = super::super::trial::Work::new(&points, smoothed.places.clone(), &smoothed, &options);
+        let (careful, correction) = crate::fit::bias::correct(plain, &work, true);
+        for (found, expected) in
+            [(swift.trial.hem.p, careful.hem.p), (swift.trial.hem.q, careful.hem.q), (swift.trial.hem.s, careful.hem.s)]
+        {
+            // Both stop at a share of 1e-11 or 1e-10 of the noise.
+            assert!((found - expected).abs() < 1e-11, "{found} {expected}");
+        }
+        let (found, expected) = (swift.correction.applied().expect("applied"), correction.applied().expect("applied"));
+        for (a, b) in [(found.p, expected.p), (found.q, expected.q), (found.s, expected.s), (found.sigma, expected.sigma)] {
+            assert!((a - b).abs() < 1e-11, "{a} {b}");
+        }
+        assert!((found.bend - expected.bend).abs() < 1e-6, "{} {}", found.bend, expected.bend);
     }
 }
