@@ -340,3 +340,57 @@ fn a_storm_of_random_outlines_neither_panics_nor_returns_nonsense() {
     // The storm must reach what it is about.
     assert!(count / 5 < of(3) as u64, "{} minima", of(3));
 }
+
+/// A closed curve with folds of unequal depth, width and lean; not the paper's.
+fn irregular(generator: &mut ChaCha8Rng) -> Vec<Point> {
+    let m = generator.random_range(3..=10_u32);
+    let depth = 0.2 * between(generator, 0.05, 0.35) * (6.0 / f64::from(m)).min(1.0);
+    let lean = depth * generator.random::<f64>() * 0.6;
+    let wave = |generator: &mut ChaCha8Rng, size: f64| (size * normal(generator), size * normal(generator));
+    // Slow changes of depth and of pace round the hem.
+    let (deep, pace): (Vec<_>, Vec<_>) = (1..4).map(|_| (wave(generator, 0.15), wave(generator, 0.1))).unzip();
+    let slow = |waves: &[(f64, f64)], t: f64| {
+        waves.iter().zip(1..).map(|((a, b), k)| a * (f64::from(k) * t).cos() + b * (f64::from(k) * t).sin()).sum::<f64>()
+    };
+    (0..360)
+        .map(|i| TAU * f64::from(i) / 360.0)
+        .map(|t| {
+            let fold = f64::from(m) * t + slow(&pace, t) * 2.0;
+            let (r, across) = (0.2 + depth * (1.0 + slow(&deep, t)) * fold.cos(), lean * (2.0 * fold).sin());
+            Point::new(r * t.cos() - across * t.sin() + 1e-4 * normal(generator), r * t.sin() + across * t.cos() + 1e-4 * normal(generator))
+        })
+        .collect()
+}
+
+#[test]
+fn every_fit_of_an_unseen_irregular_outline_obeys_the_four_rules() {
+    let count = how_many("HEMLINE_IRREGULAR", 24);
+    let fits: Vec<Option<Termination>> = (0..count)
+        .into_par_iter()
+        .map(|case| {
+            let points = irregular(&mut ChaCha8Rng::seed_from_u64(77_000 + case));
+            if crosses_itself(&points) {
+                return None;
+            }
+            let profile = DrapeProfile::new(&points).expect("an outline");
+            let fit = fit::fit(&profile, &Options::default()).unwrap_or_else(|e| panic!("case {case}: {e}"));
+            let (outline, curve) = (profile.points(), fit.outline(2000));
+            let length = polygon_length(outline);
+            assert!((fit.perimeter / length - 1.0).abs() < 0.06, "case {case}: length {} of {length}", fit.perimeter);
+            assert!(!crosses_itself(&curve), "case {case} crosses itself");
+            let (there, back) = (farthest(outline, &curve), farthest(&curve, outline));
+            assert!(back < 1.6 * there + 0.01 * fit.hem.p, "case {case}: {there} {back}");
+            let mut turned = 0.0;
+            for i in 0..fit.feet.len() {
+                let step = fit.feet[(i + 1) % fit.feet.len()] - fit.feet[i];
+                turned += step - TAU * (step / TAU).round();
+            }
+            assert!((turned - TAU).abs() < 1e-6, "case {case}: the feet turn by {turned}");
+            Some(fit.termination)
+        })
+        .collect();
+    let tried = fits.iter().flatten().count();
+    let free = fits.iter().flatten().filter(|t| **t == Termination::Converged).count();
+    println!("{free} of {tried} irregular outlines at their free optimum");
+    assert!(count / 2 < tried as u64, "{tried} of {count}");
+}
