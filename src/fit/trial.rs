@@ -31,6 +31,9 @@ const LEAST_LOSS_FROM_FIT: f64 = 1.05;
 /// allowed the weight falls to a tenth, with a hundred to 1e-8.
 const BEATEN: f64 = 1.2;
 
+/// An amplitude below this share of what the fit leaves may be a saddle.
+const FLAT: f64 = 0.01;
+
 /// One fold count, tried.
 pub(super) struct Trial {
     pub folds: u32,
@@ -326,7 +329,25 @@ impl<'a> Work<'a> {
         (matched.hem, matched.placement, self.fractions.iter().map(|&f| matched.parameter(f)).collect())
     }
 
+    /// The orthogonal fit from a curve and the feet on it.
+    ///
+    /// Where no amplitude is left the phase moves nothing, and folds a quarter further on may be nearer: a saddle, from which they are tried.
     fn orthogonal(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
+        let first = self.orthogonal_from(hem, placement, feet, length, termination.clone());
+        if !(first.hem.q.abs() < FLAT * first.rms()) {
+            return first;
+        }
+        let quarter = 0.25 * TAU / f64::from(hem.folds.max(1));
+        let hem = Hem { q: 0.1 * first.rms(), ..first.hem };
+        let placement = Placement { phase: first.placement.phase + quarter, ..first.placement };
+        let feet = first.feet.iter().map(|t| t - quarter).collect();
+        let second = self.orthogonal_from(hem, placement, feet, length, termination);
+        let evaluations = first.evaluations + second.evaluations;
+        let better = (second.broken.is_none(), -second.sum_of_squares) > (first.broken.is_none(), -first.sum_of_squares);
+        Trial { evaluations, ..if better { second } else { first } }
+    }
+
+    fn orthogonal_from(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
         let fitted = orthogonal::fit(self.points, hem, placement, feet, length, self.length(), &self.options.solver)
             .expect("a profile has more points than the curve has unknowns");
         let Fitted { hem, placement, feet, summary, evaluations } = fitted;
