@@ -16,6 +16,8 @@ pub type Unknowns = [f64; 6];
 
 /// Steps before giving up: near a root each leaves a small share (about σκ) of the last.
 const MOST_ROUNDS: usize = 50;
+/// … where only the sum of squares has to settle, along unknowns that hardly matter to it.
+const MOST_ROUNDS_OF_A_SUM: usize = 200;
 
 /// What the mean distance of each point from the true curve is taken to be.
 #[derive(Debug, Clone, Copy)]
@@ -153,7 +155,7 @@ impl Equations<'_> {
         let mut variance = 0.0;
         let mut residuals = self.residuals(&at, &mut variance);
         let (mut damping, mut last, mut stuck) = (0.0_f64, f64::INFINITY, 0);
-        for round in 1..=MOST_ROUNDS {
+        for round in 1..=if 0.0 < self.gain { MOST_ROUNDS_OF_A_SUM } else { MOST_ROUNDS } {
             let system = self.system(&x, &at, &residuals);
             let cost = weighed(&residuals, self.counts);
             let (next, linear, moved, gain) = loop {

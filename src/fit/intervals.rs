@@ -37,6 +37,8 @@ pub enum End {
     Bound(f64),
     /// The data exclude nothing on this side, as far as was looked.
     Open,
+    /// The likelihood could not be followed to where it falls to its cut-off: the other unknowns ceased to be determined on the way.
+    Lost,
 }
 
 impl End {
@@ -44,7 +46,7 @@ impl End {
     pub fn value(self) -> Option<f64> {
         match self {
             End::At(value) | End::Bound(value) => Some(value),
-            End::Open => None,
+            End::Open | End::Lost => None,
         }
     }
 }

@@ -38,6 +38,10 @@ pub fn interval(profile: &DrapeProfile, fit: &HemFit, parameter: Unknown, cutoff
     let sum_of_squares: f64 = base.residuals.iter().map(|e| e * e).sum();
     let mut free = base.free;
     free[index] = false;
+    // Where folds are lost in the noise, phase and s hardly move the curve and nothing tells them; p does not depend on them.
+    if parameter == Unknown::P && fit.standard_error_missing.iter().any(|missing| missing.why == WhyMissing::FoldsWithinNoise) {
+        (free[Unknown::Phase as usize], free[Unknown::S as usize]) = (false, false);
+    }
     let trace = Trace {
         index,
         sum_of_squares,
@@ -163,7 +167,7 @@ impl Trace<'_> {
                     failures += 1;
                     reach *= 0.5;
                     if 6 < failures {
-                        return End::Open;
+                        return End::Lost;
                     }
                 }
             }
@@ -176,7 +180,7 @@ impl Trace<'_> {
         let (mut low, mut high) = (below.tau - self.cutoff, above.tau - self.cutoff);
         for _ in 0..60 {
             let value = (below.value * high - above.value * low) / (high - low);
-            let Some(place) = self.at(value, &below, Some(&above)) else { return End::Open };
+            let Some(place) = self.at(value, &below, Some(&above)) else { return End::Lost };
             let off = place.tau - self.cutoff;
             if off.abs() <= TOLERANCE * self.cutoff {
                 return End::At(value);

@@ -62,6 +62,7 @@ fn intervals(found: Option<&Intervals>) -> Vec<Cell> {
             cells.push(end.and_then(End::value).map(|value| value / unit).into());
             match end {
                 Some(End::Open) => open.push(format!("{name}_{side}:open")),
+                Some(End::Lost) => open.push(format!("{name}_{side}:lost")),
                 Some(End::Bound(_)) => open.push(format!("{name}_{side}:bound")),
                 Some(End::At(_)) | None => (),
             }
