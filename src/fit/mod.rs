@@ -1,16 +1,32 @@
 //! Inverse: profile → parameters, by orthogonal least squares.
 
 pub mod circle;
+pub mod fold_table;
 pub mod folds;
 pub mod foot_point;
+pub mod free_outline;
 pub mod lambda;
 pub mod matching;
 pub mod orthogonal;
 pub mod outcome;
 pub mod outline;
 pub mod rules;
+mod sane_curve;
 pub mod start;
+pub mod tangent_curve;
+pub mod tangent_family;
+pub mod tangent_fit;
 mod trial;
 
 pub use folds::{Options, fit};
 pub use outcome::{Candidate, Estimate, HeldLength, HemFit, Rule, Termination};
+
+/// Akaike's criterion of `unknowns` parameters and a variance fitted to n points, corrected for few of them (Hurvich & Tsai, Biometrika 76 (1989)
+/// 297–307); infinite where so few are left that it has no value.
+pub fn aicc(sum_of_squares: f64, n: usize, unknowns: usize) -> f64 {
+    let (n, k) = (n as f64, unknowns as f64 + 1.0);
+    if n - k - 1.0 <= 0.0 {
+        return f64::INFINITY;
+    }
+    n * (sum_of_squares / n).max(f64::MIN_POSITIVE).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+}

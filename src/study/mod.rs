@@ -8,6 +8,8 @@ pub mod comparison;
 pub mod further;
 pub mod desirable;
 pub mod fidelities;
+pub mod irregular;
+pub mod lack_of_fit;
 pub mod overview;
 pub mod paper;
 pub mod response;
