@@ -240,7 +240,8 @@ impl<'a> Asked<'a> {
         let middle = ((crest.sigma - before.sigma) / (after.sigma - before.sigma) * steps as f64).round() as usize;
         let near = angles[middle];
         let (first, last) = (angles[0], angles[steps]);
-        let ends = ends.map(|(i, j)| (turning(curve, at(i), TAU / SCAN as f64), turning(curve, at(j), TAU / SCAN as f64), angles[i], angles[j]));
+        let ends =
+            ends.map(|(i, j)| (turning(curve, at(i), TAU / SCAN as f64), turning(curve, at(j), TAU / SCAN as f64), angles[i], angles[j]));
         let overhang = ends.map(|(a, b, from, to)| {
             let size = |s: f64| self.outline.placed.curve.at(s).position.norm();
             let middle = 0.5 * self.outline.placed.radius * (size(a) + size(b));

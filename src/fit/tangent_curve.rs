@@ -57,7 +57,8 @@ impl TangentCurve {
         let table: Vec<(f64, f64)> = (0..nodes).map(|j| (TAU * j as f64 / nodes as f64).sin_cos()).map(|(s, c)| (c, s)).collect();
         let period = TAU / f64::from(symmetry);
         let step = period / nodes as f64;
-        let (mut first, mut second, mut third) = (Vec::with_capacity(nodes + 1), Vec::with_capacity(nodes + 1), Vec::with_capacity(nodes + 1));
+        let (mut first, mut second, mut third) =
+            (Vec::with_capacity(nodes + 1), Vec::with_capacity(nodes + 1), Vec::with_capacity(nodes + 1));
         for j in 0..=nodes {
             let (mut psi, mut slope, mut bend) = (0.0, 1.0, 0.0);
             for (k, (a, b)) in (1..).zip(cosines.iter().zip(sines)) {
@@ -119,7 +120,8 @@ impl TangentCurve {
         let turns = (scaled / nodes as f64).floor();
         let within = scaled - turns * nodes as f64;
         let node = (within as usize).min(nodes - 1);
-        let turn = if turns == 0.0 || self.symmetry == 1 { C::new(1.0, 0.0) } else { C::from_polar(1.0, TAU * turns / f64::from(self.symmetry)) };
+        let turn =
+            if turns == 0.0 || self.symmetry == 1 { C::new(1.0, 0.0) } else { C::from_polar(1.0, TAU * turns / f64::from(self.symmetry)) };
         Cell { node, share: within - node as f64, turn }
     }
 
@@ -154,7 +156,8 @@ impl TangentCurve {
         let (nodes, orders) = (self.table.len(), self.cosines.len());
         let all = if self.symmetry == 1 { 2 * orders } else { orders };
         let mut position = DMatrix::from_element(nodes + 1, all, C::new(0.0, 0.0));
-        let (mut g, mut g1, mut g2) = (vec![C::new(0.0, 0.0); nodes + 1], vec![C::new(0.0, 0.0); nodes + 1], vec![C::new(0.0, 0.0); nodes + 1]);
+        let (mut g, mut g1, mut g2) =
+            (vec![C::new(0.0, 0.0); nodes + 1], vec![C::new(0.0, 0.0); nodes + 1], vec![C::new(0.0, 0.0); nodes + 1]);
         for column in 0..all {
             let (k, sine) = self.harmonic(column);
             let order = k as f64 * f64::from(self.symmetry);
@@ -212,7 +215,8 @@ impl Sensitivities<'_> {
         for column in 0..self.count() {
             let (k, sine) = curve.harmonic(column);
             let (here, there) = (curve.basis(node, k, sine).0, curve.basis(node + 1, k, sine).0);
-            let moved = turn * (self.position[(node, column)] * a + self.position[(node + 1, column)] * b) + f * (here * c) + g * (there * d);
+            let moved =
+                turn * (self.position[(node, column)] * a + self.position[(node + 1, column)] * b) + f * (here * c) + g * (there * d);
             see(column, moved, middle * (here * (1.0 - x) + there * x));
         }
     }
@@ -261,7 +265,16 @@ mod tests {
     #[test]
     fn a_single_harmonic_agrees_with_its_bessel_series() {
         // e^{ia sin x} = Σ J_j(a) e^{ijx}: the crest of m folds lies at Σ J_j(a)/(1 + jm); Bessel values to 15 digits (DLMF 10.2) at a = 1.
-        let bessel = [0.765_197_686_557_967, 0.440_050_585_744_934, 0.114_903_484_931_901, 0.019_563_353_982_668, 0.002_476_638_964_110, 0.000_249_757_730_211, 0.000_020_938_338_002, 0.000_001_502_325_817];
+        let bessel = [
+            0.765_197_686_557_967,
+            0.440_050_585_744_934,
+            0.114_903_484_931_901,
+            0.019_563_353_982_668,
+            0.002_476_638_964_110,
+            0.000_249_757_730_211,
+            0.000_020_938_338_002,
+            0.000_001_502_325_817,
+        ];
         let m = 4.0;
         let crest: f64 = bessel
             .iter()
@@ -288,7 +301,11 @@ mod tests {
             sensitivities.at(sigma, |column, exact, _| {
                 let moved = |by: f64| {
                     let (mut a, mut b) = (cosines.clone(), sines.clone());
-                    if column < 4 { a[column] += by } else { b[column - 4] += by }
+                    if column < 4 {
+                        a[column] += by
+                    } else {
+                        b[column - 4] += by
+                    }
                     TangentCurve::new(1, &a, &b).at(sigma).position
                 };
                 let numeric = (moved(h) - moved(-h)) / (2.0 * h);

@@ -94,7 +94,10 @@ fn ladder(points: &[Point], outline: &Outline, hem: &Hem, at: Placement, feet: &
             Some(fitted) => {
                 let mut sines = fitted.placed.curve.sines().to_vec();
                 sines.push(0.0);
-                (Placed { curve: TangentCurve::new(hem.folds, &vec![0.0; harmonics], &sines), ..fitted.placed.clone() }, fitted.feet.clone())
+                (
+                    Placed { curve: TangentCurve::new(hem.folds, &vec![0.0; harmonics], &sines), ..fitted.placed.clone() },
+                    fitted.feet.clone(),
+                )
             }
             None => {
                 let curve = TangentCurve::new(hem.folds, &vec![0.0; harmonics], &sines[..harmonics]);
@@ -105,8 +108,8 @@ fn ladder(points: &[Point], outline: &Outline, hem: &Hem, at: Placement, feet: &
         let Ok(fitted) = fit(points, &family, placed, feet, &options) else { break };
         let farthest = fitted.summary.residuals.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
         let length = held.map_or(outline.length, |r| TAU * r);
-        let sane = fitted.summary.termination.converged()
-            && sane_curve::broken(&fitted.placed, outline, &fitted.feet, farthest, length).is_none();
+        let sane =
+            fitted.summary.termination.converged() && sane_curve::broken(&fitted.placed, outline, &fitted.feet, farthest, length).is_none();
         let unknowns = fitted.summary.parameters.len();
         let criterion = if sane { aicc(fitted.summary.sum_of_squares, points.len(), unknowns) } else { f64::INFINITY };
         if best.as_ref().map_or(f64::INFINITY, |b| b.0) <= criterion {

@@ -140,7 +140,8 @@ pub fn fit(points: &[Point], family: &Family, start: Placed, feet: Vec<f64>, opt
     let size = points.iter().map(|p| p.x.abs().max(p.y.abs())).fold(start.radius, f64::max);
     let options = &Options { residual_rounding: 4.0 * f64::EPSILON * size, ..*options };
     let trial = feet.clone();
-    let mut problem = Tangent { points, family: family.clone(), closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start };
+    let mut problem =
+        Tangent { points, family: family.clone(), closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start };
     let summary = least_squares::solve(&mut problem, &unknowns, options)?;
     if let Some(placed) = problem.at(&summary.parameters) {
         problem.placed = placed;
@@ -347,4 +348,65 @@ impl Closing {
 fn reflect(mirror: &DVector<f64>, v: &mut DVector<f64>) {
     let along = mirror.dot(v);
     v.axpy(-2.0 * along, mirror, 1.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A problem about `start`, its points a little off the curve.
+    fn problem(points: &[Point], family: Family, start: Placed) -> Tangent<'_> {
+        let closing = (family == Family::Free).then(|| Closing::of(&start.curve).expect("it closes"));
+        let feet: Vec<f64> = (0..points.len()).map(|i| TAU * i as f64 / points.len() as f64).collect();
+        let trial = feet.clone();
+        Tangent { points, family, closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start }
+    }
+
+    fn agrees(family: Family, start: Placed, unknowns: &[f64]) {
+        let mut points = start.outline(60);
+        for (i, p) in points.iter_mut().enumerate() {
+            p.x += 0.001 * (5.0 * i as f64).sin();
+            p.y += 0.001 * (3.0 * i as f64).cos();
+        }
+        let mut problem = problem(&points, family, start);
+        let mut exact = DMatrix::zeros(points.len(), unknowns.len());
+        let mut distances = vec![0.0; points.len()];
+        assert!(problem.residuals(unknowns, &mut distances) && problem.jacobian(unknowns, &mut exact));
+        let h = 1e-6;
+        for column in 0..unknowns.len() {
+            let mut at = |by: f64| {
+                let mut moved = unknowns.to_vec();
+                moved[column] += by;
+                let mut distances = vec![0.0; points.len()];
+                assert!(problem.residuals(&moved, &mut distances));
+                distances
+            };
+            let (up, down) = (at(h), at(-h));
+            for i in 0..points.len() {
+                let numeric = (up[i] - down[i]) / (2.0 * h);
+                // Rounding eps·R/h ~ 1e-10; a foot is stationary to 1e-9; cubic against quintic interpolation 1e-7 of a column of at most 0.2.
+                assert!((exact[(i, column)] - numeric).abs() < 1e-6, "{column} {i}: {} {numeric}", exact[(i, column)]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_jacobian_of_equal_folds_agrees_with_central_differences() {
+        let curve = TangentCurve::new(5, &[0.0; 2], &[0.9, -0.05]);
+        let start = Placed { curve, centre: Point::new(0.02, -0.01), phase: 0.3, radius: 0.2 };
+        agrees(Family::EqualFolds { folds: 5, radius: None }, start.clone(), &[0.02, -0.01, 0.3, 0.2, 0.9, -0.05]);
+        agrees(Family::EqualFolds { folds: 5, radius: Some(0.2) }, start, &[0.02, -0.01, 0.3, 0.9, -0.05]);
+    }
+
+    #[test]
+    fn the_jacobian_of_a_free_outline_agrees_with_central_differences_along_closed_curves() {
+        let curve = TangentCurve::new(1, &[0.05, -0.1, 0.3, 0.02], &[-0.02, 0.2, 0.1, -0.05]);
+        // It does not close as it stands: what closes it is found first, and stays so along every column.
+        let start = Placed { curve, centre: Point::new(0.02, -0.01), phase: 0.0, radius: 0.2 };
+        let closing = Closing::of(&start.curve).expect("it closes");
+        let (closed, _) = closing.closed(&[0.0; 6], [0.0; 2]).expect("it closes");
+        assert!(closed.gap().norm() < 1e-14);
+        let start = Placed { curve: closed, ..start };
+        agrees(Family::Free, start, &[0.02, -0.01, 0.2, 0.01, -0.02, 0.0, 0.015, 0.0, 0.01]);
+    }
 }

@@ -55,7 +55,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "multiples": gallery.keys().filter(|stem| stem.starts_with("all_runs_")).collect::<Vec<_>>(),
         "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
         "beyond": beyond::chapter(study),
-        "irregular": irregular::chapter(study),
+        "irregular": irregular::chapter(study, gallery),
         "theory": theory::chapter(study),
         "theory-effects": beyond::theory(study),
         "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::document::irregular::{most_reshaped, most_uneven};
 use super::figure::{
     agreement, cube, distance, fidelities, folds, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols,
     uneven,
 };
-use super::document::irregular::example;
 use super::number;
 use super::words::{self, Response};
 use crate::error::Error;
@@ -169,8 +169,10 @@ fn draw_folds(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error>
     if !hems.is_empty() {
         gallery.insert("folds".into(), folds::draw(&hems)?);
     }
-    if let Some(view) = example(study).and_then(uneven_view) {
-        gallery.insert("folds_example".into(), uneven::draw(&view)?);
+    for (stem, run) in [("folds_uneven", most_uneven(study)), ("folds_reshaped", most_reshaped(study))] {
+        if let Some(view) = run.and_then(uneven_view) {
+            gallery.insert(stem.into(), uneven::draw(&view)?);
+        }
     }
     Ok(())
 }
@@ -180,7 +182,7 @@ fn uneven_view(run: &RunStudy) -> Option<uneven::View> {
     let (profile, fit, irregular) = (run.profile.as_ref()?, run.fit.as_ref().ok()?, run.irregular.as_ref()?);
     let (model, free) = irregular.free.as_ref().ok()?;
     let tangent = irregular.tangent.as_ref().ok();
-    let named = |name: &str, rms: f64| format!("{name}, rms {} mm", number::fixed(rms / MILLIMETRE, 1));
+    let named = |name: &str, rms: f64| format!("{name}, {} mm", number::fixed(rms / MILLIMETRE, 1));
     let centre = free.placed.centre;
     let fold = |f: &crate::fit::fold_table::Fold| {
         let (sin, cos) = f.angle.value.sin_cos();
@@ -200,7 +202,7 @@ fn uneven_view(run: &RunStudy) -> Option<uneven::View> {
         centre,
         names: [
             named("paper’s curve", irregular.paper.rms),
-            tangent.map(|(model, _)| named("tangent angle", model.rms)).unwrap_or_default(),
+            tangent.map(|(model, _)| named("equal folds", model.rms)).unwrap_or_default(),
             named("free outline", model.rms),
         ],
         folds: irregular.table.folds.iter().map(fold).collect(),

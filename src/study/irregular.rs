@@ -9,8 +9,10 @@ use crate::fit::tangent_family::{TangentFit, tangent_family};
 use crate::fit::{HemFit, aicc, circle, orthogonal};
 use crate::numerics::least_squares;
 
-/// The three curves are compared on at most so many points: neighbours closer than this tell the same, and the work grows with their number.
-const MOST_POINTS: usize = 400;
+/// The three curves are compared on about so many points, spread evenly, or …
+const ENOUGH_POINTS: usize = 240;
+/// … so many for each fold: neighbours that are closer tell nearly the same, and the work grows with their number.
+const ENOUGH_A_FOLD: usize = 20;
 
 /// One curve in the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +70,8 @@ impl Irregular {
 /// Fits the other two curves to an outline whose paper's curve is known, and compares.
 pub fn irregular(profile: &DrapeProfile, fit: &HemFit) -> Irregular {
     let outline = smooth(profile);
-    let stride = profile.points().len().div_ceil(MOST_POINTS).max(1);
+    let enough = ENOUGH_POINTS.max(ENOUGH_A_FOLD * fit.folds.unwrap_or(0) as usize);
+    let stride = (profile.points().len() / enough).max(1);
     let points: Vec<Point> = profile.points().iter().copied().step_by(stride).collect();
     let n = points.len();
     let (left, feet) = paper(&points, fit, stride);
@@ -77,16 +80,16 @@ pub fn irregular(profile: &DrapeProfile, fit: &HemFit) -> Irregular {
         .map(|t| (Model::new(Some(t.folds), Some(t.coefficients.len()), t.unknowns, t.sum_of_squares, n), t))
         .map_err(|e| e.to_string());
     let holds = order_that_holds(&fit.hem, paper.rms, n);
-    let free = free_outline(&points, &outline, holds, paper.sum_of_squares)
-        .map(|f| (Model::new(None, Some(f.order), f.unknowns, f.sum_of_squares, n), f))
-        .map_err(|e| e.to_string());
+    let free = free_outline(&points, &outline, holds, paper.sum_of_squares).map_err(|e| e.to_string()).and_then(|f| match f.broken {
+        Some(rule) => Err(format!("the free outline breaks the rule of {}", format!("{rule:?}").to_lowercase())),
+        None => Ok((Model::new(None, Some(f.order), f.unknowns, f.sum_of_squares, n), f)),
+    });
     let lack_of_fit = match &free {
         Err(reason) => Err(reason.clone()),
         Ok((_, free)) if !free.comparable => Err(format!(
             "{n} points are too few: the free outline that holds this curve has {holds} harmonics and needs {} points",
             4 * holds
         )),
-        Ok((_, free)) if free.broken.is_some() => Err("the free outline is no sane curve".into()),
         Ok((_, free)) => {
             let saturated = Left { sum_of_squares: free.sum_of_squares, unknowns: free.unknowns };
             lack_of_fit(left, saturated, &free.distances, free.order).ok_or_else(|| "no degree of freedom is left".to_string())

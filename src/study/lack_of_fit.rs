@@ -107,7 +107,8 @@ mod tests {
     fn the_test_is_the_textbook_one() {
         // Montgomery's form by hand: lack 30 on 3, error 40 on 8: F = 10/5 = 2; p = P(F(3, 8) > 2) = 0.19266 (scipy.stats.f.sf(2, 3, 8)).
         let distances: Vec<f64> = (0..12).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 } * (40.0_f64 / 12.0).sqrt()).collect();
-        let test = lack_of_fit(Left { sum_of_squares: 70.0, unknowns: 1 }, Left { sum_of_squares: 40.0, unknowns: 4 }, &distances, 1).unwrap();
+        let test =
+            lack_of_fit(Left { sum_of_squares: 70.0, unknowns: 1 }, Left { sum_of_squares: 40.0, unknowns: 4 }, &distances, 1).unwrap();
         assert_eq!((test.lack_df, test.error_df), (3, 8));
         assert!((test.f - 2.0).abs() < 1e-12 && (test.p - 0.192_66).abs() < 1e-5, "{test:?}");
     }
@@ -115,7 +116,8 @@ mod tests {
     #[test]
     fn alternating_errors_do_not_make_the_test_lenient() {
         let distances: Vec<f64> = (0..60).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-        let test = lack_of_fit(Left { sum_of_squares: 90.0, unknowns: 6 }, Left { sum_of_squares: 60.0, unknowns: 11 }, &distances, 5).unwrap();
+        let test =
+            lack_of_fit(Left { sum_of_squares: 90.0, unknowns: 6 }, Left { sum_of_squares: 60.0, unknowns: 11 }, &distances, 5).unwrap();
         assert!(test.correlation < -0.8 && test.inflation == 1.0 && test.p == test.p_correlated);
     }
 }

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::report::gallery::cells;
-use crate::report::number::{fixed, probability, significant};
+use crate::report::gallery::{Gallery, cells};
+use crate::report::number::{fixed, plain, probability, significant};
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::study::irregular::Irregular;
 use crate::study::overview::{Spread, spread};
@@ -13,28 +13,40 @@ use crate::units::{MILLIMETRE, PERCENT};
 const NONE: &str = "–";
 
 /// `null` where no outline was fitted.
-pub fn chapter(study: &CampaignStudy) -> Value {
-    let known: Vec<(&RunStudy, &Irregular)> = cells(&study.runs)
-        .into_iter()
-        .flat_map(|(_, runs)| runs)
-        .filter_map(|run| Some((run, run.irregular.as_ref()?)))
-        .collect();
+pub fn chapter(study: &CampaignStudy, gallery: &Gallery) -> Value {
+    let known: Vec<(&RunStudy, &Irregular)> =
+        cells(&study.runs).into_iter().flat_map(|(_, runs)| runs).filter_map(|run| Some((run, run.irregular.as_ref()?))).collect();
     if known.is_empty() {
         return Value::Null;
     }
-    let example = example(study).map(|run| run.run.id.clone());
+    let drawn = |stem: &str, run: Option<&RunStudy>| run.filter(|_| gallery.contains_key(stem)).map(|run| run.run.id.clone());
     json!({
         "words": words(&known, study.campaign.alpha),
         "rows": known.iter().map(|(run, irregular)| row(run, irregular)).collect::<Vec<_>>(),
-        "example": example,
+        "figure": gallery.contains_key("folds"),
+        "uneven": drawn("folds_uneven", most_uneven(study)),
+        "reshaped": drawn("folds_reshaped", most_reshaped(study)),
     })
 }
 
-/// The run whose folds differ most in depth: the example that is drawn.
-pub fn example(study: &CampaignStudy) -> Option<&RunStudy> {
+/// The run whose folds differ most in depth, to be drawn.
+pub fn most_uneven(study: &CampaignStudy) -> Option<&RunStudy> {
     let variation = |run: &&RunStudy| run.irregular.as_ref().and_then(|i| i.table.depth_variation);
     let known = study.runs.iter().filter(|run| variation(run).is_some());
     known.max_by(|a, b| variation(a).unwrap_or(0.0).total_cmp(&variation(b).unwrap_or(0.0)))
+}
+
+/// The run of which equal folds of another shape explain most of what the paper's curve leaves, to be drawn.
+pub fn most_reshaped(study: &CampaignStudy) -> Option<&RunStudy> {
+    let known = study.runs.iter().filter(|run| run.irregular.as_ref().is_some_and(|i| gained(i).is_some()));
+    let gain = |run: &&RunStudy| run.irregular.as_ref().and_then(gained).unwrap_or(0.0);
+    known.max_by(|a, b| gain(a).total_cmp(&gain(b)))
+}
+
+/// Share of what the paper's curve leaves that equal folds of another shape explain.
+fn gained(irregular: &Irregular) -> Option<f64> {
+    let (model, _) = irregular.tangent.as_ref().ok()?;
+    Some(1.0 - model.sum_of_squares / irregular.paper.sum_of_squares)
 }
 
 fn words(known: &[(&RunStudy, &Irregular)], alpha: f64) -> Vec<String> {
@@ -52,28 +64,23 @@ fn words(known: &[(&RunStudy, &Irregular)], alpha: f64) -> Vec<String> {
         said.push(format!(
             "The paper’s curve lacks fit in {lacking} of {} runs (α = {}){also}: their folds are not equal, or not of its shape.",
             tests.len(),
-            significant(alpha, 2)
+            plain(alpha)
         ));
     }
     if let Some(noise) = spread(known.iter().filter_map(|(_, i)| i.free.as_ref().ok()).map(|(_, free)| free.noise())) {
         said.push(format!("The free outline leaves {} per point: what the points are in error.", millimetres(&noise)));
     }
-    let least = |name: &str| {
-        known.iter().filter(|(_, i)| i.models().iter().any(|(other, model)| *other == name && model.aicc <= i.best())).count()
-    };
+    let least =
+        |name: &str| known.iter().filter(|(_, i)| i.models().iter().any(|(other, model)| *other == name && model.aicc <= i.best())).count();
     said.push(format!(
         "By AICc the free outline is the best of the three in {} of {n} runs, equal folds of any shape in {}, the paper’s curve in {}.",
         least("free_outline"),
         least("tangent_angle"),
         least("paper")
     ));
-    let gained = known.iter().filter_map(|(_, i)| {
-        let (model, _) = i.tangent.as_ref().ok()?;
-        Some(1.0 - model.sum_of_squares / i.paper.sum_of_squares)
-    });
-    if let Some(gained) = spread(gained) {
+    if let Some(gained) = spread(known.iter().filter_map(|(_, i)| gained(i))) {
         said.push(format!(
-            "Of what the paper’s curve leaves, a better shape of equal folds takes {} % (median; {} to {}): the rest is that the folds differ from each other.",
+            "Of what the paper’s curve leaves, a better shape of equal folds explains {} % (median; {} to {}); the rest is error of the points, or that the folds differ from each other.",
             fixed(gained.median / PERCENT, 0),
             fixed(gained.low / PERCENT, 0),
             fixed(gained.high / PERCENT, 0)

@@ -29,7 +29,7 @@ pub struct Hem {
 /// [`Error::Output`] if it cannot be drawn.
 pub fn draw(hems: &[Hem]) -> Result<String, Error> {
     sheet::draw("figure of all folds", FULL_WIDTH, TOP + 2.0 * PANEL + BELOW, |area| {
-        area.draw(&Circle::new((steps(LEFT + 1.0), steps(2.5)), steps(0.7), line(BLUE, 0.3)))?;
+        area.draw(&Circle::new((steps(LEFT + 1.0), steps(2.5)), steps(0.6), sheet::fill(BLUE)))?;
         sheet::text_left(area, "a fold of the outline", LEFT + 3.0, 2.5, LABEL, INK)?;
         area.draw(&PathElement::new(vec![(steps(LEFT + 40.0), steps(2.5)), (steps(LEFT + 43.5), steps(2.5))], line(INK, 0.35)))?;
         sheet::text_left(area, "the folds of the paper’s curve, and folds all as wide", LEFT + 45.0, 2.5, LABEL, INK)?;
@@ -85,10 +85,10 @@ fn paint(area: &Area<'_>, hems: &[Hem], row: usize, title: &str, unit: &str, pic
         if span.0 < span.1 {
             solid(&mut axes, &[(x, span.0), (x, span.1)], line(sheet::SKY, 0.25))?;
         }
-        axes.draw_series(values.iter().map(|v| Circle::new((x, *v), steps(0.7), line(BLUE, 0.3))))?;
         if let Some(reference) = reference {
-            solid(&mut axes, &[(x - 0.36, reference), (x + 0.36, reference)], line(INK, 0.35))?;
+            solid(&mut axes, &[(x - 0.38, reference), (x + 0.38, reference)], line(INK, 0.35))?;
         }
+        sheet::dots(&mut axes, &values.iter().map(|v| (x, *v)).collect::<Vec<_>>(), 0.6, BLUE)?;
     }
     Ok(())
 }

@@ -4,7 +4,9 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::hem::{centimetres, closed};
-use super::sheet::{self, Area, BLUE, Drawn, FULL_WIDTH, Frame, GREEN, GREY, INK, LABEL, SMALL, VERMILLION, chart, dashed, line, solid, steps};
+use super::sheet::{
+    self, Area, BLUE, Drawn, FULL_WIDTH, Frame, GREEN, GREY, INK, LABEL, SMALL, VERMILLION, chart, dashed, line, solid, steps,
+};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::report::number;
@@ -71,7 +73,11 @@ fn plan(area: &Area<'_>, view: &View) -> Drawn {
     for (i, fold) in view.folds.iter().enumerate() {
         let (x, y) = ((fold.crest.x - view.centre.x) / CENTIMETRE, (fold.crest.y - view.centre.y) / CENTIMETRE);
         let out = 1.0 + 0.09 * half / x.hypot(y);
-        axes.draw_series(std::iter::once(Text::new(format!("{}", i + 1), (cx + out * x, cy + out * y), sheet::mark(LABEL, INK, HPos::Center))))?;
+        axes.draw_series(std::iter::once(Text::new(
+            format!("{}", i + 1),
+            (cx + out * x, cy + out * y),
+            sheet::mark(LABEL, INK, HPos::Center),
+        )))?;
     }
     let mut y = top + side + below + 1.5;
     area.draw(&Circle::new((steps(13.5), steps(y)), steps(0.5), sheet::fill(INK)))?;
@@ -83,7 +89,7 @@ fn plan(area: &Area<'_>, view: &View) -> Drawn {
         if i == 1 {
             y += 3.4;
         }
-        let x = [34.0, 12.0, 50.0][i];
+        let x = [48.0, 12.0, 48.0][i];
         let ends = if i == 1 { vec![(x, x + 1.7), (x + 2.4, x + 4.1)] } else { vec![(x, x + 4.1)] };
         for (from, to) in ends {
             area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], line(color, 0.4)))?;
