@@ -44,7 +44,7 @@ fn a_hem_of_the_tangent_angle_family_is_recovered_with_honest_standard_errors() 
     let truth = [0.9, 0.06, 0.05];
     let clean = family().outline(240);
     let mut generator = ChaCha8Rng::seed_from_u64(11);
-    const REPLICATES: usize = 150;
+    const REPLICATES: usize = 100;
     let (mut within_two, mut length_within_two, mut right_order) = ([0; 3], 0, 0);
     for replicate in 0..REPLICATES {
         let (_, found) = compared(&disturbed(&clean, 5e-4, &mut generator), 5);
@@ -54,7 +54,7 @@ fn a_hem_of_the_tangent_angle_family_is_recovered_with_honest_standard_errors() 
         right_order += usize::from(tangent.coefficients.len() == 3);
         for (k, (a, a_true)) in tangent.coefficients.iter().zip(truth).enumerate() {
             let away = (a.value - a_true).abs() / a.standard_error.expect("determined");
-            // Of 600 normal deviates none is further than 4.5 off, but for one in 250 such tests.
+            // Of 400 normal deviates none is further than 4.5 off, but for one in 350 such tests.
             assert!(away < 4.5, "{replicate}: a_{} = {} ± {:?}", k + 1, a.value, a.standard_error);
             within_two[k] += usize::from(away < 1.96);
         }
@@ -63,9 +63,9 @@ fn a_hem_of_the_tangent_angle_family_is_recovered_with_honest_standard_errors() 
         length_within_two += usize::from(away < 1.96);
     }
     println!("95 % intervals hold a_1 … a_3 in {within_two:?}, R in {length_within_two} of {REPLICATES}; K = 3 in {right_order}");
-    // 95 % of 150 is 142.5 with a binomial deviation of 2.7: four of them either way, where there is room.
+    // 95 % of 100 with a binomial deviation of 2.2: four of them.
     for covered in within_two.into_iter().chain([length_within_two]) {
-        assert!(132 <= covered, "{within_two:?} {length_within_two}");
+        assert!(86 <= covered, "{within_two:?} {length_within_two}");
     }
     // AICc takes a harmonic too many in at most P(χ²_1 > 2) = 16 % of the cases at each of a few steps, and none too few.
     assert!(right_order as f64 > 0.6 * REPLICATES as f64, "{right_order}");
@@ -74,9 +74,9 @@ fn a_hem_of_the_tangent_angle_family_is_recovered_with_honest_standard_errors() 
 #[test]
 fn the_papers_curve_lacks_fit_no_more_often_than_the_level_says_where_it_is_true() {
     let hem = Hem { p: 0.2, q: 0.03, s: 0.004, folds: 6 };
-    let clean = hem.outline(&PLACEMENT, 240);
+    let clean = hem.outline(&PLACEMENT, 160);
     let mut generator = ChaCha8Rng::seed_from_u64(12);
-    const REPLICATES: usize = 600;
+    const REPLICATES: usize = 500;
     let (mut rejected, mut rejected_correlated, mut best) = (0, 0, [0; 3]);
     for replicate in 0..REPLICATES {
         let (fit, found) = compared(&disturbed(&clean, 5e-4, &mut generator), 6);
@@ -93,9 +93,9 @@ fn the_papers_curve_lacks_fit_no_more_often_than_the_level_says_where_it_is_true
     println!(
         "rejected at 5 %: {rejected}, with correlated errors allowed for {rejected_correlated}, of {REPLICATES}; least AICc (paper, equal, free): {best:?}"
     );
-    // 30 expected, with a binomial deviation of 5.3: three of them either way.
-    assert!((14..=46).contains(&rejected), "{rejected}");
-    assert!(rejected_correlated <= 46, "{rejected_correlated}");
+    // 25 expected, with a binomial deviation of 4.9: three of them either way.
+    assert!((11..=39).contains(&rejected), "{rejected}");
+    assert!(rejected_correlated <= 39, "{rejected_correlated}");
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn standard_errors_of_the_fold_table_are_those_of_replicates() {
     let clean = Hem { p: 0.2, q: 0.03, s: 0.004, folds: 6 }.outline(&PLACEMENT, 180);
     let mut generator = ChaCha8Rng::seed_from_u64(14);
     let (mut depths, mut widths, mut said) = (vec![], vec![], (0.0, 0.0));
-    for _ in 0..120 {
+    for _ in 0..60 {
         let (_, found) = compared(&disturbed(&clean, 5e-4, &mut generator), 6);
         assert_eq!(found.table.folds.len(), 6);
         for fold in &found.table.folds {
@@ -204,7 +204,7 @@ fn standard_errors_of_the_fold_table_are_those_of_replicates() {
     let n = depths.len() as f64;
     let (depth, width) = ((said.0 / n).sqrt() / deviation(&depths), (said.1 / n).sqrt() / deviation(&widths));
     println!("standard errors over deviation of replicates: depth {depth:.3}, width {width:.3}");
-    // 720 values tell a deviation to 2.6 %; the order that is chosen from the data adds its own scatter.
+    // 360 values tell a deviation to 3.7 %; the order that is chosen from the data adds its own scatter.
     assert!((0.85..1.15).contains(&depth) && (0.85..1.15).contains(&width), "{depth} {width}");
 }
 
@@ -271,7 +271,7 @@ fn all_shipped_skirts_have_a_sane_free_outline_whose_noise_is_the_digitizers() {
 fn correlated_errors_do_not_pass_for_lack_of_fit_once_they_are_allowed_for() {
     let clean = Hem { p: 0.2, q: 0.03, s: 0.004, folds: 6 }.outline(&PLACEMENT, 240);
     let mut generator = ChaCha8Rng::seed_from_u64(15);
-    const REPLICATES: usize = 150;
+    const REPLICATES: usize = 100;
     let (mut naive, mut allowed) = (0, 0);
     for _ in 0..REPLICATES {
         // First-order autoregressive errors outwards, of correlation 0.6.
@@ -308,7 +308,7 @@ fn a_round_outline_has_no_folds_and_no_lack_of_fit() {
     let mut generator = ChaCha8Rng::seed_from_u64(16);
     let clean: Vec<Point> = (0..180).map(|i| TAU * f64::from(i) / 180.0).map(|t| Point::new(0.2 * t.cos(), 0.2 * t.sin())).collect();
     let mut rejected = 0;
-    for _ in 0..40 {
+    for _ in 0..25 {
         let profile = DrapeProfile::new(&disturbed(&clean, 5e-4, &mut generator)).expect("a profile");
         let fit = fit::fit(&profile, &Options::default()).expect("a fit");
         let found = irregular(&profile, &fit);
@@ -318,15 +318,15 @@ fn a_round_outline_has_no_folds_and_no_lack_of_fit() {
         assert!(found.tangent.is_err() && found.table.folds.is_empty());
         rejected += usize::from(found.lack_of_fit.expect("a test").p < 0.05);
     }
-    // Two expected of 40.
-    assert!(rejected <= 8, "{rejected}");
+    // One expected of 25.
+    assert!(rejected <= 6, "{rejected}");
 }
 
 #[test]
 fn whatever_the_outline_nothing_panics_and_no_number_is_missing_without_a_reason() {
     let mut generator = ChaCha8Rng::seed_from_u64(17);
     let mut tables = 0;
-    for case in 0..150 {
+    for case in 0..60 {
         let n = generator.random_range(12..300);
         let lumps: Vec<(f64, f64, f64)> = (0..generator.random_range(0..6))
             .map(|_| (f64::from(generator.random_range(2..16_u32)), 0.3 * generator.random::<f64>(), TAU * generator.random::<f64>()))
@@ -361,7 +361,7 @@ fn whatever_the_outline_nothing_panics_and_no_number_is_missing_without_a_reason
         tables += usize::from(!found.table.folds.is_empty());
     }
     println!("{tables} outlines with folds");
-    assert!(tables > 60, "{tables}");
+    assert!(tables > 20, "{tables}");
 }
 
 #[test]
@@ -378,7 +378,8 @@ fn real_silhouettes_have_sane_free_outlines() {
         object: hemline::experiment::campaign::Shade::Dark,
     };
     let (mut sane, mut fitted) = (0, 0);
-    for file in &files {
+    // Every fourth of forty: tracing them takes longer than all else here.
+    for file in files.iter().step_by(4) {
         let Ok(silhouette) = hemline::import::image::outline(file, &pictures) else { continue };
         let Ok(fit) = fit::fit(&silhouette.profile, &Options::default()) else { continue };
         fitted += 1;

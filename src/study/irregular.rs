@@ -71,7 +71,7 @@ impl Irregular {
 pub fn irregular(profile: &DrapeProfile, fit: &HemFit) -> Irregular {
     let outline = smooth(profile);
     let enough = ENOUGH_POINTS.max(ENOUGH_A_FOLD * fit.folds.unwrap_or(0) as usize);
-    let stride = (profile.points().len() / enough).max(1);
+    let stride = ((profile.points().len() as f64 / enough as f64).round() as usize).max(1);
     let points: Vec<Point> = profile.points().iter().copied().step_by(stride).collect();
     let n = points.len();
     let (left, feet) = paper(&points, fit, stride);

@@ -27,7 +27,7 @@ pub struct LackOfFit {
     pub correlation: f64,
     /// By how much errors so correlated raise F where nothing lacks; at least 1.
     pub inflation: f64,
-    /// Of F over the inflation: approximate, for correlated distances.
+    /// Of F over the inflation, with the degrees of freedom that correlated errors leave: approximate.
     pub p_correlated: f64,
 }
 
@@ -48,17 +48,29 @@ pub fn lack_of_fit(curve: Left, free: Left, distances: &[f64], order: usize) -> 
     let f = lack / lack_df as f64 / (free.sum_of_squares / error_df as f64);
     let correlation = correlation(distances, order);
     let inflation = inflation(correlation, distances.len(), order).max(1.0);
-    let p = |f: f64| fisher_upper(f, lack_df as f64, error_df as f64);
-    f.is_finite().then(|| LackOfFit {
+    let p = fisher_upper(f, lack_df as f64, error_df as f64);
+    let p_correlated = if 1.0 < inflation {
+        let (lack, error) = effective(correlation, distances.len(), order);
+        // The correlation is itself an estimate: its error moves the inflation, which widens F as fewer degrees of freedom would.
+        let step = 0.01;
+        let log = |rho: f64| self::inflation(rho, distances.len(), order).ln();
+        let slope = (log(correlation + step) - log(correlation - step)) / (2.0 * step);
+        let variance = slope * slope * (1.0 - correlation * correlation) / error_df as f64;
+        let error_df = 1.0 / (1.0 / (error * error_df as f64) + 0.5 * variance);
+        fisher_upper(f / inflation, lack * lack_df as f64, error_df)
+    } else {
+        p
+    };
+    f.is_finite().then_some(LackOfFit {
         lack_sum_of_squares: lack,
         lack_df,
         error_sum_of_squares: free.sum_of_squares,
         error_df,
         f,
-        p: p(f),
+        p,
         correlation,
         inflation,
-        p_correlated: p(f / inflation),
+        p_correlated,
     })
 }
 
@@ -91,6 +103,17 @@ fn correlation(distances: &[f64], order: usize) -> f64 {
         if remaining(middle) < seen { low = middle } else { high = middle }
     }
     0.5 * (low + high)
+}
+
+/// Shares of the degrees of freedom, up to `order` and above, that harmonics of unequal power are worth (Satterthwaite, Biometrics Bull. 2 (1946)
+/// 110–114).
+fn effective(correlation: f64, n: usize, order: usize) -> (f64, f64) {
+    let share = |from: usize, to: usize| {
+        let powers = (from..=to).map(|k| power(correlation, k, n));
+        let (sum, square) = powers.fold((0.0, 0.0), |s, p| (s.0 + p, s.1 + p * p));
+        sum * sum / square / (to + 1 - from) as f64
+    };
+    (share(1, order.max(1)), share(order + 1, n / 2))
 }
 
 /// Mean power of the harmonics up to `order` over that of the others.

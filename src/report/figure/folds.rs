@@ -23,6 +23,9 @@ pub struct Hem {
     pub fitted: Option<f64>,
 }
 
+/// What a panel shows of a hem: a value for each fold, and where a bar goes.
+type Pick<'a> = &'a dyn Fn(&Hem) -> (&[f64], Option<f64>);
+
 /// Both panels over all runs.
 ///
 /// # Errors
@@ -49,7 +52,7 @@ pub fn draw(hems: &[Hem]) -> Result<String, Error> {
     })
 }
 
-fn paint(area: &Area<'_>, hems: &[Hem], row: usize, title: &str, unit: &str, pick: &dyn Fn(&Hem) -> (&Vec<f64>, Option<f64>)) -> Drawn {
+fn paint(area: &Area<'_>, hems: &[Hem], row: usize, title: &str, unit: &str, pick: Pick<'_>) -> Drawn {
     let top = TOP + PANEL * row as f64;
     sheet::title(area, title, 0.5, top + 2.5)?;
     let plot = sheet::part(area, 0.0, top + 5.5, FULL_WIDTH - 1.0, PANEL - 7.5);
