@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::{folds, hem_length, interval_kind, level, on_off, shade};
@@ -15,8 +15,10 @@ use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
 use crate::import::image;
 use crate::import::table;
+use crate::report;
 use crate::report::table::{FitRow, fits};
 use crate::study::intervals::{self, intervals};
+use crate::study::irregular::{Irregular, irregular};
 use crate::units::{MILLIMETRE, Metre};
 
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
@@ -27,7 +29,8 @@ use crate::units::{MILLIMETRE, Metre};
 #[command(
     after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
 hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n  \
-hemline fit skirt.csv --intervals profile --level 0.99\n  hemline fit skirt.csv --intervals bootstrap --replicates 2000 --seed 7\n\n\
+hemline fit skirt.csv --intervals profile --level 0.99\n  hemline fit skirt.csv --intervals bootstrap --replicates 2000 --seed 7\n  \
+hemline fit skirt.csv --table models\n\n\
 Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
 (compare rms_mm and explained_share) they are too small.\n\n\
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
@@ -63,9 +66,21 @@ pub struct Fit {
     /// Seed of a bootstrap: the same seed gives the same numbers, on any number of threads.
     #[arg(long, default_value = "1", value_name = "N")]
     pub seed: u64,
+    /// What to print: fits, one row per profile; models, the paper's curve, equal folds of any shape and a free outline side by side, with the test of lack of
+    /// fit; folds, one row per fold of each outline.
+    #[arg(long, default_value = "fits", value_name = "fits|models|folds")]
+    pub table: Print,
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Which table is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Print {
+    Fits,
+    Models,
+    Folds,
 }
 
 /// Reads, fits and prints. Files and rows that cannot be used are named on stderr; the others go on.
@@ -111,7 +126,17 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         lambda: &lambda,
         study: None,
     });
-    let table = fits(rows);
+    let compared: Vec<Option<Irregular>> = if args.table == Print::Fits {
+        vec![]
+    } else {
+        profiles.par_iter().zip(&results).map(|((_, profile), fit)| Some(irregular(profile, fit.as_ref().ok()?))).collect()
+    };
+    let uneven = || profiles.iter().zip(&compared).filter_map(|((name, _), i)| Some((name.as_str(), i.as_ref()?)));
+    let table = match args.table {
+        Print::Fits => fits(rows),
+        Print::Models => report::irregular::models(uneven()),
+        Print::Folds => report::irregular::folds(uneven()),
+    };
     let stdout = &mut std::io::stdout().lock();
     let written = if args.json { table.write_json(stdout) } else { table.write(stdout) };
     match written {

@@ -22,7 +22,7 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, summary.json, figures/*.png, and as CSV: fits, candidates, predictions, points, quarantine; regression, weighted,\n\
+Writes report.pdf, summary.json, figures/*.png, and as CSV: fits, models, folds, candidates, predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
 fidelities, fidelity_summary. docs/results.md describes every column.\n\n\
 Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]

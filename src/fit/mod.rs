@@ -10,6 +10,8 @@ pub mod folds;
 pub mod foot_point;
 mod frame;
 pub mod intervals;
+pub mod fold_table;
+pub mod free_outline;
 pub mod lambda;
 pub mod matching;
 pub mod orthogonal;
@@ -20,6 +22,10 @@ pub mod rules;
 mod sampling;
 pub mod start;
 mod swift;
+mod sane_curve;
+pub mod tangent_curve;
+pub mod tangent_family;
+pub mod tangent_fit;
 mod trial;
 pub mod uncertainty;
 
@@ -27,3 +33,13 @@ pub use bias::BiasCorrection;
 pub use folds::{Options, fit};
 pub use intervals::Intervals;
 pub use outcome::{Candidate, Estimate, HeldLength, HemFit, Rule, Termination};
+
+/// Akaike's criterion of `unknowns` parameters and a variance fitted to n points, corrected for few of them (Hurvich & Tsai, Biometrika 76 (1989)
+/// 297–307); infinite where so few are left that it has no value.
+pub fn aicc(sum_of_squares: f64, n: usize, unknowns: usize) -> f64 {
+    let (n, k) = (n as f64, unknowns as f64 + 1.0);
+    if n - k - 1.0 <= 0.0 {
+        return f64::INFINITY;
+    }
+    n * (sum_of_squares / n).max(f64::MIN_POSITIVE).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+}

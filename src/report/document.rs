@@ -1,6 +1,7 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
 mod beyond;
+pub mod irregular;
 mod regression;
 mod runs;
 mod story;
@@ -54,6 +55,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "multiples": gallery.keys().filter(|stem| stem.starts_with("all_runs_")).collect::<Vec<_>>(),
         "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
         "beyond": beyond::chapter(study),
+        "irregular": irregular::chapter(study, gallery),
         "theory": theory::chapter(study),
         "theory-effects": beyond::theory(study),
         "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),

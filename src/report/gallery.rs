@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::document::irregular::{most_reshaped, most_uneven};
 use super::figure::{
-    agreement, cube, distance, fidelities, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols,
+    agreement, cube, distance, fidelities, folds, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols,
+    uneven,
 };
 use super::number;
 use super::words::{self, Response};
@@ -14,7 +16,7 @@ use crate::statistics::distribution;
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::study::fidelities::{FIDELITIES, FidelityRun};
 use crate::study::overview::spread;
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, PERCENT};
 
 /// SVG by file stem, in a fixed order.
 pub type Gallery = BTreeMap<String, String>;
@@ -45,6 +47,7 @@ pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
             draw_response(&mut gallery, &stem, &said, study, analysis)?;
         }
     }
+    draw_folds(&mut gallery, study)?;
     draw_theory(&mut gallery, study)?;
     draw_fidelities(&mut gallery, study)?;
     Ok(gallery)
@@ -144,6 +147,66 @@ fn draw_theory(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error
         gallery.insert("theory_gap".into(), gap::draw(&gaps, [rms, mean_radius, fold_depth])?);
     }
     Ok(())
+}
+
+/// All folds, and the most uneven hem.
+fn draw_folds(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error> {
+    let mut hems = vec![];
+    for (number, (_, members)) in cells(&study.runs).into_iter().enumerate() {
+        for run in members {
+            let Some(table) = run.irregular.as_ref().map(|i| &i.table).filter(|t| !t.folds.is_empty()) else { continue };
+            let even = table.folds.len() as f64;
+            let fitted = run.fit.as_ref().ok().filter(|fit| fit.folds.is_some());
+            hems.push(folds::Hem {
+                run: run.run.id.clone(),
+                cell: number,
+                depths: table.folds.iter().map(|f| f.depth.value / MILLIMETRE).collect(),
+                widths: table.folds.iter().map(|f| f.width.value * even).collect(),
+                fitted: fitted.map(|fit| fit.fold_depth / MILLIMETRE),
+            });
+        }
+    }
+    if !hems.is_empty() {
+        gallery.insert("folds".into(), folds::draw(&hems)?);
+    }
+    for (stem, run) in [("folds_uneven", most_uneven(study)), ("folds_reshaped", most_reshaped(study))] {
+        if let Some(view) = run.and_then(uneven_view) {
+            gallery.insert(stem.into(), uneven::draw(&view)?);
+        }
+    }
+    Ok(())
+}
+
+fn uneven_view(run: &RunStudy) -> Option<uneven::View> {
+    const NODES: usize = 400;
+    let (profile, fit, irregular) = (run.profile.as_ref()?, run.fit.as_ref().ok()?, run.irregular.as_ref()?);
+    let (model, free) = irregular.free.as_ref().ok()?;
+    let tangent = irregular.tangent.as_ref().ok();
+    let named = |name: &str, rms: f64| format!("{name}, {} mm", number::fixed(rms / MILLIMETRE, 1));
+    let centre = free.placed.centre;
+    let fold = |f: &crate::fit::fold_table::Fold| {
+        let (sin, cos) = f.angle.value.sin_cos();
+        uneven::Fold {
+            crest: crate::experiment::Point::new(centre.x + f.radius.value * cos, centre.y + f.radius.value * sin),
+            depth: (f.depth.value / MILLIMETRE, f.depth.standard_error.map(|e| e / MILLIMETRE)),
+            width: (f.width.value / PERCENT, f.width.standard_error.map(|e| e / PERCENT)),
+            overhang: f.overhang.value / MILLIMETRE,
+        }
+    };
+    Some(uneven::View {
+        run: run.run.id.clone(),
+        measured: profile.points().to_vec(),
+        paper: fit.outline(NODES),
+        tangent: tangent.map(|(_, t)| t.placed.outline(NODES)).unwrap_or_default(),
+        free: free.placed.outline(NODES),
+        centre,
+        names: [
+            named("paper’s curve", irregular.paper.rms),
+            tangent.map(|(model, _)| named("equal folds", model.rms)).unwrap_or_default(),
+            named("free outline", model.rms),
+        ],
+        folds: irregular.table.folds.iter().map(fold).collect(),
+    })
 }
 
 /// Every fidelity against every run, if there is a theory for any.

@@ -8,6 +8,7 @@ pub mod document;
 pub mod fidelities;
 pub mod figure;
 pub mod gallery;
+pub mod irregular;
 pub mod note;
 pub mod number;
 pub mod output;
@@ -75,6 +76,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     let rows = || study.runs.iter().map(Into::into);
     let (regressions, factors) = (study.regressions.as_slice(), study.campaign.design.factors.as_slice());
     let ids: Vec<&str> = study.runs.iter().map(|run| run.run.id.as_str()).collect();
+    let uneven = || study.runs.iter().filter_map(|run| Some((run.run.id.as_str(), run.irregular.as_ref()?)));
     let files = [
         ("report.pdf", pdf),
         ("fits.csv", table::fits(rows()).bytes()),
@@ -90,6 +92,8 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
         ("predictions.csv", table::predictions(&study.runs).bytes()),
         ("fidelities.csv", fidelities::runs(&study.fidelities).bytes()),
         ("fidelity_summary.csv", fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &factor_names).bytes()),
+        ("models.csv", irregular::models(uneven()).bytes()),
+        ("folds.csv", irregular::folds(uneven()).bytes()),
         ("points.csv", table::points(rows()).bytes()),
         ("quarantine.csv", table::quarantine(&study.quarantine).bytes()),
         ("summary.json", summary.into_bytes()),

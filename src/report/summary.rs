@@ -40,6 +40,8 @@ pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {
 fn run(study: &RunStudy) -> Value {
     let fit = study.fit.as_ref().ok();
     let mm = |v: f64| v / MILLIMETRE;
+    let irregular = study.irregular.as_ref();
+    let lack = irregular.and_then(|i| i.lack_of_fit.as_ref().ok());
     json!({
         "run": study.run.id,
         "replicate": study.run.replicate,
@@ -63,6 +65,11 @@ fn run(study: &RunStudy) -> Value {
         "lambda_first_integral_n_m2": study.lambda.first_integral.map(|(e, _)| e.value),
         "lambda_first_integral_r2": study.lambda.first_integral.map(|(_, r2)| r2),
         "lambda_over_weight": study.lambda.over_weight.map(|(e, _)| e.value),
+        "lack_of_fit_f": lack.map(|t| t.f),
+        "lack_of_fit_p": lack.map(|t| t.p),
+        "crests": irregular.map(|i| i.table.folds.len()),
+        "depth_variation": irregular.and_then(|i| i.table.depth_variation),
+        "width_variation": irregular.and_then(|i| i.table.width_variation),
         "predicted_m": study.prediction.as_ref().map(|p| p.folds),
         "theory_gap_mm": study.comparison.as_ref().map(|c| mm(c.rms)),
         "notes": note::of(study),

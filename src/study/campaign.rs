@@ -8,6 +8,7 @@ use super::desirable::{Desirable, desirable};
 use super::fidelities::{self, FidelityRun};
 use super::further::{self, Further, Series};
 use super::intervals::{self, intervals};
+use super::irregular::{Irregular, irregular};
 use super::response;
 use crate::experiment::campaign::Response;
 use crate::experiment::profile::signed_area;
@@ -29,6 +30,8 @@ pub struct RunStudy {
     pub profile: Option<DrapeProfile>,
     /// The fit, or why there is none.
     pub fit: Result<HemFit, String>,
+    /// Other curves through the same outline, and its folds one by one; `None` without a fit.
+    pub irregular: Option<Irregular>,
     pub lambda: Lambda,
     /// Drape coefficient of the outline as a share, 0…1 for a hem between support and specimen edge; only on a drape tester.
     pub drape_coefficient: Option<f64>,
@@ -120,6 +123,7 @@ impl RunStudy {
             run,
             profile,
             fit: Err("the profile was set aside; the quarantine says why".into()),
+            irregular: None,
             lambda: Lambda::default(),
             drape_coefficient: None,
             on_support: None,
@@ -169,6 +173,7 @@ fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> Run
     let mut study = RunStudy::of(run.clone(), profile);
     measure(campaign, &mut study, &fit_options(campaign, run));
     let (Some(profile), Ok(fitted)) = (&study.profile, &study.fit) else { return study };
+    study.irregular = Some(irregular(profile, fitted));
     let Some(skirt) = &run.skirt else {
         study.prediction_missing = Some("the cut is not known".into());
         return study;

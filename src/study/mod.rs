@@ -9,6 +9,8 @@ pub mod further;
 pub mod desirable;
 pub mod fidelities;
 pub mod intervals;
+pub mod irregular;
+pub mod lack_of_fit;
 pub mod overview;
 pub mod paper;
 pub mod response;

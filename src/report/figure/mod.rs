@@ -4,6 +4,7 @@ pub mod agreement;
 pub mod cube;
 pub mod distance;
 pub mod fidelities;
+pub mod folds;
 pub mod gap;
 pub mod half_normal;
 pub mod hem;
@@ -20,6 +21,7 @@ pub mod residuals;
 pub mod sheet;
 pub mod space;
 pub mod symbols;
+pub mod uneven;
 
 #[cfg(test)]
 mod tests;

@@ -1,0 +1,97 @@
+//! Figure: every fold of every run, its depth and its width, so that even and uneven hems are told apart at a glance.
+
+use plotters::prelude::*;
+
+use super::sheet::{self, Area, BLUE, Drawn, FULL_WIDTH, GREY, INK, LABEL, SMALL, line, padded, solid, steps};
+use crate::error::Error;
+use crate::report::number;
+
+const TOP: f64 = 6.5;
+const PANEL: f64 = 46.0;
+const BELOW: f64 = 10.0;
+const LEFT: f64 = 14.0;
+
+/// The folds of one run: depth in mm, width as a multiple of the even one.
+#[derive(Debug, Clone)]
+pub struct Hem {
+    pub run: String,
+    /// Number of its cell: runs of one cell stand together.
+    pub cell: usize,
+    pub depths: Vec<f64>,
+    pub widths: Vec<f64>,
+    /// Depth of the fitted curve's folds, which are all alike, mm.
+    pub fitted: Option<f64>,
+}
+
+/// What a panel shows of a hem: a value for each fold, and where a bar goes.
+type Pick<'a> = &'a dyn Fn(&Hem) -> (&[f64], Option<f64>);
+
+/// Both panels over all runs.
+///
+/// # Errors
+/// [`Error::Output`] if it cannot be drawn.
+pub fn draw(hems: &[Hem]) -> Result<String, Error> {
+    sheet::draw("figure of all folds", FULL_WIDTH, TOP + 2.0 * PANEL + BELOW, |area| {
+        area.draw(&Circle::new((steps(LEFT + 1.0), steps(2.5)), steps(0.6), sheet::fill(BLUE)))?;
+        sheet::text_left(area, "a fold of the outline", LEFT + 3.0, 2.5, LABEL, INK)?;
+        area.draw(&PathElement::new(vec![(steps(LEFT + 40.0), steps(2.5)), (steps(LEFT + 43.5), steps(2.5))], line(INK, 0.35)))?;
+        sheet::text_left(area, "the folds of the paper’s curve, and folds all as wide", LEFT + 45.0, 2.5, LABEL, INK)?;
+        let folds: usize = hems.iter().map(|h| h.depths.len()).sum();
+        let depth = format!("Depth of each fold: crest above the mean of its valleys; n = {} hems, {folds} folds", hems.len());
+        paint(area, hems, 0, &depth, "mm", &|hem| (&hem.depths, hem.fitted))?;
+        paint(area, hems, 1, "Width of each fold: length from valley to valley, times the number of folds", "1 = even", &|hem| {
+            (&hem.widths, Some(1.0))
+        })?;
+        let every = hems.len().div_ceil(45).max(1);
+        for (i, hem) in hems.iter().enumerate().step_by(every) {
+            let at = LEFT + (FULL_WIDTH - 1.0 - LEFT) * (i as f64 + 1.0) / (hems.len() as f64 + 1.0);
+            sheet::text_centre(area, &hem.run, at, TOP + 2.0 * PANEL + 0.8, if hems.len() < 30 { SMALL } else { 5.8 }, INK)?;
+        }
+        let y = TOP + 2.0 * PANEL + 6.0;
+        sheet::text_centre(area, "run; runs of one cell stand together", LEFT + 0.5 * (FULL_WIDTH - LEFT), y, LABEL, INK)
+    })
+}
+
+fn paint(area: &Area<'_>, hems: &[Hem], row: usize, title: &str, unit: &str, pick: Pick<'_>) -> Drawn {
+    let top = TOP + PANEL * row as f64;
+    sheet::title(area, title, 0.5, top + 2.5)?;
+    let plot = sheet::part(area, 0.0, top + 5.5, FULL_WIDTH - 1.0, PANEL - 7.5);
+    let end = hems.len() as f64 + 1.0;
+    let all = hems.iter().flat_map(|hem| pick(hem).0.iter().copied().chain(pick(hem).1));
+    let (low, high) = padded(all, 0.08);
+    let low = if row == 0 { low.min(0.0) } else { low };
+    let mut axes =
+        ChartBuilder::on(&plot).set_label_area_size(LabelAreaPosition::Left, steps(LEFT)).build_cartesian_2d(0.0..end, low..high)?;
+    axes.configure_mesh()
+        .disable_x_mesh()
+        .disable_x_axis()
+        .y_labels(5)
+        .max_light_lines(0)
+        .bold_line_style(line(sheet::PALE, 0.1))
+        .axis_style(line(GREY, 0.15))
+        .set_all_tick_mark_size(steps(1.0))
+        .label_style(sheet::font(SMALL).color(&INK))
+        .axis_desc_style(sheet::font(LABEL).color(&INK))
+        .y_desc(unit)
+        .y_label_formatter(&|v| number::fixed(*v, usize::from(high - low < 4.0)))
+        .draw()?;
+    for (i, pair) in hems.windows(2).enumerate() {
+        if pair[0].cell != pair[1].cell {
+            let x = i as f64 + 1.5;
+            solid(&mut axes, &[(x, low), (x, high)], line(sheet::PALE, 0.2))?;
+        }
+    }
+    for (i, hem) in hems.iter().enumerate() {
+        let x = i as f64 + 1.0;
+        let (values, reference) = pick(hem);
+        let span = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        if span.0 < span.1 {
+            solid(&mut axes, &[(x, span.0), (x, span.1)], line(sheet::SKY, 0.25))?;
+        }
+        if let Some(reference) = reference {
+            solid(&mut axes, &[(x - 0.38, reference), (x + 0.38, reference)], line(INK, 0.35))?;
+        }
+        sheet::dots(&mut axes, &values.iter().map(|v| (x, *v)).collect::<Vec<_>>(), 0.6, BLUE)?;
+    }
+    Ok(())
+}
