@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use super::design::{self, DesignTable};
 use super::image::{self, is_picture};
 use super::table::{self, Table};
-use super::{campaign_file, delimited};
+use super::{campaign_file, cells};
 use crate::error::{Error, Place};
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
@@ -111,8 +111,9 @@ impl Profiles<'_> {
         self.quarantine.push(Quarantined {
             run: Some(run.id.clone()),
             file: self.design.to_path_buf(),
+            sheet: None,
             row: Some(row),
-            value: delimited::shortened(&run.profile.display().to_string()),
+            value: cells::shortened(&run.profile.display().to_string()),
             problem: problem.into(),
             remedy: remedy.into(),
         });
@@ -198,6 +199,7 @@ impl Profiles<'_> {
             faults.push(Quarantined {
                 run: None,
                 file: path.to_path_buf(),
+                sheet: None,
                 row: None,
                 value: names.join(", "),
                 problem: format!("the file holds {} profiles, none of them named “{}”", names.len(), run.id),
@@ -256,7 +258,7 @@ impl Profiles<'_> {
                     "{} file(s) in {} belong to no run: {}",
                     strays.len(),
                     folder.display(),
-                    delimited::shortened(&strays.join(", "))
+                    cells::shortened(&strays.join(", "))
                 ));
             }
         }

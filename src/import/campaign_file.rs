@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::check_table::CheckTable;
-use super::delimited::one_line;
+use super::dialect_table::{DialectTable, Told};
+use super::cells::one_line;
 use super::source;
-use super::table::length_unit;
+use super::column::length_unit;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
@@ -58,6 +59,9 @@ pub(super) struct CampaignFile {
     pub gravity: f64,
     pub foundation_modulus: f64,
     pub pictures: Option<Pictures>,
+    /// What `hemline import` wrote, below the folder: profiles named like their runs.
+    pub store: Option<PathBuf>,
+    pub tables: Told,
     pub check: CheckRules,
 }
 
@@ -76,6 +80,8 @@ struct Document {
     analysis: Analysis,
     #[serde(default)]
     profiles: Profiles,
+    #[serde(default)]
+    tables: DialectTable,
     #[serde(default)]
     wishes: Vec<Spanned<WishEntry>>,
     #[serde(default)]
@@ -156,6 +162,7 @@ struct Profiles {
     scale_mm_per_px: Option<Spanned<f64>>,
     #[serde(default)]
     object: Shade,
+    file: Option<Spanned<String>>,
 }
 
 /// Reads and checks `campaign.toml`.
@@ -232,7 +239,7 @@ impl Reader<'_> {
     }
 
     fn check(&self, document: Document, source: Source) -> Result<CampaignFile, Error> {
-        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, wishes: wanted, check } = document;
+        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, tables, wishes: wanted, check } = document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
         {
@@ -280,6 +287,8 @@ impl Reader<'_> {
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
             foundation_modulus: self
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,
+            store: self.store(&profiles.file)?,
+            tables: tables.told(self)?,
             pictures: match profiles.scale_mm_per_px {
                 None => None,
                 scale => {
@@ -307,6 +316,18 @@ impl Reader<'_> {
                 Err(Error::input(self.place(&value.span()), problem, format!("it must be {allowed}")))
             }
         }
+    }
+
+    /// The file of all profiles, below the campaign's folder.
+    fn store(&self, given: &Option<Spanned<String>>) -> Result<Option<PathBuf>, Error> {
+        let Some(given) = given else { return Ok(None) };
+        let path = PathBuf::from(given.get_ref().replace('\\', "/"));
+        let inside = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !inside || path.as_os_str().is_empty() {
+            let problem = format!("“file” is “{}”, which is no file below the campaign's folder", given.get_ref());
+            return Err(Error::input(self.place(&given.span()), problem, "`hemline import` writes profiles.parquet there"));
+        }
+        Ok(Some(path))
     }
 
     /// A section of `name_unit = number` or `name_unit = { column = … }`.
