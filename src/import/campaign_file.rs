@@ -7,11 +7,11 @@ use std::path::{Component, Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::check_table::CheckTable;
-use super::dialect_table::{DialectTable, Told};
 use super::cells::one_line;
-use super::source;
+use super::check_table::CheckTable;
 use super::column::length_unit;
+use super::dialect_table::{DialectTable, Told};
+use super::source;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
@@ -176,6 +176,46 @@ pub(super) fn read(path: &Path) -> Result<CampaignFile, Error> {
     Reader { path, text: &text }.check(document, source)
 }
 
+/// What an import needs of `campaign.toml`; the rest may still have to be filled in.
+pub(super) struct ForImport {
+    pub factors: Vec<String>,
+    pub store: Option<PathBuf>,
+    pub tables: Told,
+    pub pictures: Option<Pictures>,
+}
+
+#[derive(Deserialize)]
+struct DocumentForImport {
+    #[serde(default)]
+    factors: Vec<FactorName>,
+    #[serde(default)]
+    profiles: Profiles,
+    #[serde(default)]
+    tables: DialectTable,
+}
+
+#[derive(Deserialize)]
+struct FactorName {
+    name: String,
+}
+
+/// Reads what an import needs.
+///
+/// # Errors
+/// As [`read`], for these parts only.
+pub(super) fn for_import(path: &Path) -> Result<ForImport, Error> {
+    let (bytes, _) = source::read(path)?;
+    let text = String::from_utf8(bytes).map_err(|_| Error::input(Place::file(path), "this is not UTF-8 text", "save it as UTF-8"))?;
+    let document: DocumentForImport = toml::from_str(&text).map_err(|e| syntax(path, &text, &e))?;
+    let reader = Reader { path, text: &text };
+    Ok(ForImport {
+        factors: document.factors.into_iter().map(|factor| factor.name).collect(),
+        store: reader.store(&document.profiles.file)?,
+        pictures: reader.pictures(&document.profiles)?,
+        tables: document.tables.told(&reader)?,
+    })
+}
+
 /// A fault that the TOML reader found, with its row, and for an unknown key the nearest known one.
 fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Error {
     let mut place = Place::file(path);
@@ -289,13 +329,7 @@ impl Reader<'_> {
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,
             store: self.store(&profiles.file)?,
             tables: tables.told(self)?,
-            pictures: match profiles.scale_mm_per_px {
-                None => None,
-                scale => {
-                    let millimetres = self.number(&scale, 0.0, "scale_mm_per_px", "positive", |s| 0.0 < s)?;
-                    Some(Pictures { pixel: Metre(millimetres * units::MILLIMETRE), object: profiles.object })
-                }
-            },
+            pictures: self.pictures(&profiles)?,
         })
     }
 
@@ -316,6 +350,14 @@ impl Reader<'_> {
                 Err(Error::input(self.place(&value.span()), problem, format!("it must be {allowed}")))
             }
         }
+    }
+
+    fn pictures(&self, profiles: &Profiles) -> Result<Option<Pictures>, Error> {
+        if profiles.scale_mm_per_px.is_none() {
+            return Ok(None);
+        }
+        let millimetres = self.number(&profiles.scale_mm_per_px, 0.0, "scale_mm_per_px", "positive", |s| 0.0 < s)?;
+        Ok(Some(Pictures { pixel: Metre(millimetres * units::MILLIMETRE), object: profiles.object }))
     }
 
     /// The file of all profiles, below the campaign's folder.

@@ -23,9 +23,8 @@ const NAMES: [(Quantity, &[&str]); 5] = [
 ];
 
 /// What laboratories call the column that says which profile a point belongs to; the first that is there counts.
-pub(super) const PROFILE_COLUMNS: [&str; 14] = [
-    "profile", "outline", "run", "specimen", "sample", "name", "id", "профиль", "опыт", "образец", "profil", "versuch", "probe", "muster",
-];
+pub(super) const PROFILE_COLUMNS: [&str; 14] =
+    ["profile", "outline", "run", "specimen", "sample", "name", "id", "профиль", "опыт", "образец", "profil", "versuch", "probe", "muster"];
 
 /// Which way angles grow, in words; the longer ones first, because they contain the shorter.
 const DIRECTIONS: [(&str, &str); 10] = [

@@ -242,6 +242,6 @@ mod tests {
         };
         assert!(read(format!("x,y\n{}\n", "1,".repeat(600_000))).contains("at most 1 MiB"));
         assert!(read(format!("{}\n1\n", "c,".repeat(20_000))).contains("at most 10000 are read"));
-        assert!(read(String::from("x,y\n") + &"a\"\n".repeat(1 << 19)).contains("quotation mark"));
+        assert!(read(String::from("x,y\n\"1,2\n") + &"3,4\n".repeat(1 << 19)).contains("quotation mark"));
     }
 }

@@ -7,7 +7,7 @@ use super::cells::Headed;
 use super::column::length_unit;
 use super::document;
 use super::number::Numbers;
-use crate::error::{Error, Place};
+use crate::error::Error;
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
 use crate::experiment::{Apparatus, Design, Fabric, Factor, Run, Skirt};
@@ -240,7 +240,8 @@ impl Reader<'_> {
 
     /// The coded level that a cell says: −1, +1, or 0 for the centre.
     fn level(&self, factor: &Factor, coding: Levels, row: usize, column: usize) -> Result<f64, (String, String)> {
-        let value = self.table.number(row, column, self.numbers).map_err(|problem| (problem, "correct it; the run was set aside".to_owned()))?;
+        let value =
+            self.table.number(row, column, self.numbers).map_err(|problem| (problem, "correct it; the run was set aside".to_owned()))?;
         let coded = match coding {
             Levels::Coded => value,
             Levels::Natural => factor.coded(value),

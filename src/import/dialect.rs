@@ -30,6 +30,17 @@ pub enum Layout {
     Columns,
 }
 
+impl Layout {
+    /// As campaign.toml and flags spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Layout::Long => "long",
+            Layout::Rows => "rows",
+            Layout::Columns => "columns",
+        }
+    }
+}
+
 /// What was told; `None` is found out from the file. A unit that a column states itself is not overruled.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Dialect {

@@ -30,13 +30,16 @@ impl Document {
     /// [`Error::Input`] if several fit, or if the table is none.
     pub(super) fn into_one(self, fits: impl Fn(&Headed) -> bool) -> Result<Headed, Error> {
         let file = self.source.file;
-        let fitting: Vec<usize> =
-            (0..self.tables.len()).filter(|&i| self.tables[i].as_ref().is_ok_and(&fits)).collect();
+        let fitting: Vec<usize> = (0..self.tables.len()).filter(|&i| self.tables[i].as_ref().is_ok_and(&fits)).collect();
         if 1 < fitting.len() {
             let sheet = |i: &usize| self.tables[*i].as_ref().ok().and_then(|table| table.sheet.clone()).unwrap_or_default();
             let names: Vec<String> = fitting.iter().map(|i| format!("“{}”", sheet(i))).collect();
             let problem = format!("several sheets hold such a table: {}", names.join(", "));
-            return Err(Error::input(Place::file(file), problem, "keep one of them; or tell it: sheets = [\"…\"] in [tables] of campaign.toml"));
+            return Err(Error::input(
+                Place::file(file),
+                problem,
+                "keep one of them; or tell it: sheets = [\"…\"] in [tables] of campaign.toml",
+            ));
         }
         let chosen = fitting.first().copied().unwrap_or(0);
         let empty = || Error::input(Place::file(file), "the workbook is empty", "it needs a header row and one row per entry");
@@ -100,8 +103,7 @@ pub(super) fn read(path: &Path, dialect: &Dialect, wanted: &dyn Fn(&[String]) ->
 fn headed(path: &Path, sheet: Sheet, dialect: &Dialect, wanted: &dyn Fn(&[String]) -> bool) -> Result<Headed, Error> {
     let place = || Place::file(path).sheet(Some(&sheet.name));
     let texts = |row: &Row| row.cells.iter().map(|cell| cell.text.clone()).collect::<Vec<_>>();
-    let preview: Vec<(usize, Vec<String>)> =
-        sheet.rows.iter().take(2 * header::SEARCHED).map(|row| (row.line, texts(row))).collect();
+    let preview: Vec<(usize, Vec<String>)> = sheet.rows.iter().take(2 * header::SEARCHED).map(|row| (row.line, texts(row))).collect();
     let Some(found) = header::locate(&preview, dialect.header_row, wanted) else {
         return Err(Error::input(place(), "the row that was told to be the header is empty", "correct header_row"));
     };

@@ -53,33 +53,30 @@ fn whole(encoding: &'static Encoding, bytes: &[u8], name: String) -> Result<Deco
 
 /// UTF-16 without its mark: digits, separators and line ends leave every other byte zero, always on the same side.
 fn wide(bytes: &[u8]) -> Option<&'static Encoding> {
-    // A table of numbers has far more than a tenth of its characters in ASCII, and none of value zero.
+    // A table of numbers has far more than a third of its characters in ASCII, and none of value zero.
     let sample = &bytes[..bytes.len().min(1 << 16) & !1];
     let zeros = |side: usize| sample.iter().skip(side).step_by(2).filter(|&&b| b == 0).count();
     let (even, odd) = (zeros(0), zeros(1));
     match (even, odd) {
-        (0, n) if sample.len() < 20 * n => Some(UTF_16LE),
-        (n, 0) if sample.len() < 20 * n => Some(UTF_16BE),
+        (0, n) if sample.len() < 6 * n => Some(UTF_16LE),
+        (n, 0) if sample.len() < 6 * n => Some(UTF_16BE),
         _ => None,
     }
 }
 
-/// Windows-1251 or -1252: Cyrillic letters form words of bytes beyond ASCII, Latin ones stand among ASCII letters.
+/// Windows-1251 or -1252: a word of letters beyond ASCII only is Cyrillic, one that mixes them with ASCII letters is Latin.
 ///
 /// Where no letters decide, the two agree on what tables of measurements have (µ, °, ±, ·).
 fn legacy(bytes: &[u8]) -> &'static Encoding {
-    let letter = |b: u8| 0xC0 <= b || b == 0xA8 || b == 0xB8;
+    let beyond = |b: &u8| 0xC0 <= *b || *b == 0xA8 || *b == 0xB8;
     let (mut cyrillic, mut latin) = (0_usize, 0_usize);
-    for (i, &byte) in bytes.iter().enumerate().filter(|&(_, &b)| letter(b)) {
-        let neighbours = [i.checked_sub(1).map(|k| bytes[k]), bytes.get(i + 1).copied()];
-        let among = |what: &dyn Fn(u8) -> bool| neighbours.iter().flatten().any(|&b| what(b));
-        if among(&letter) {
-            cyrillic += 1;
-        } else if among(&|b| b.is_ascii_alphabetic()) {
-            latin += 1;
-        } else if byte == 0xF5 || byte == 0xF3 {
-            // A word of one letter: the Cyrillic х and у, the names of coordinates.
-            cyrillic += 1;
+    for word in bytes.split(|b| !(b.is_ascii_alphabetic() || beyond(b))).filter(|word| word.iter().any(beyond)) {
+        match word {
+            // Words of one letter: х and у, the names of coordinates.
+            [0xF5 | 0xF3 | 0xD5 | 0xD3] => cyrillic += 1,
+            [_] => (),
+            _ if word.iter().all(beyond) => cyrillic += 1,
+            _ => latin += 1,
         }
     }
     if latin < cyrillic { WINDOWS_1251 } else { WINDOWS_1252 }

@@ -217,7 +217,8 @@ impl Finder<'_> {
         let unit = self.stated(column, in_name)?.or_else(|| self.dialect.unit.clone());
         let Some(unit) = unit else {
             let problem = format!("column “{}” has no unit", self.header(column));
-            let remedy = "put it into the name: x_cm, y_cm (or _mm, _m, _in); or tell it: unit = \"cm\" in [tables] of campaign.toml, --unit cm";
+            let remedy =
+                "put it into the name: x_cm, y_cm (or _mm, _m, _in); or tell it: unit = \"cm\" in [tables] of campaign.toml, --unit cm";
             return Err(self.refuse(problem, remedy));
         };
         let Some(metres) = length_unit(&unit) else {
@@ -239,7 +240,9 @@ impl Finder<'_> {
                 Some(unit) => Some(unit),
                 None if unit == "grad" => {
                     let problem = "“grad” is a degree to some, and 1/400 of a turn to others".into();
-                    return Err(self.refuse(problem, "write deg or gon; or tell it: angle = \"deg\" in [tables] of campaign.toml, --angle deg"));
+                    return Err(
+                        self.refuse(problem, "write deg or gon; or tell it: angle = \"deg\" in [tables] of campaign.toml, --angle deg")
+                    );
                 }
                 None => {
                     let problem = format!("the angle is in “{unit}”, which is no unit of angle known here");
@@ -360,7 +363,8 @@ impl Finder<'_> {
     }
 }
 
-pub(super) const UNTOLD_ANGLE: &str = "name the column angle_deg or angle_rad; or tell it: angle = \"deg\" in [tables] of campaign.toml, --angle deg";
+pub(super) const UNTOLD_ANGLE: &str =
+    "name the column angle_deg or angle_rad; or tell it: angle = \"deg\" in [tables] of campaign.toml, --angle deg";
 
 /// The unit in which angles go once round a hem.
 ///

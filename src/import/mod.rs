@@ -9,6 +9,7 @@ mod column;
 mod columnar;
 mod delimited;
 mod design;
+mod design_sheet;
 pub mod dialect;
 mod dialect_table;
 mod document;
@@ -23,7 +24,10 @@ pub mod numbers;
 mod points;
 mod quarantine;
 mod source;
+mod sources;
+mod store;
 pub mod table;
+pub mod tidy;
 mod wishes;
 mod workbook;
 

@@ -131,7 +131,13 @@ impl<'a> Reader<'a> {
                 continue;
             }
             if self.index.contains_key(&name) {
-                self.fault(&name, row, &name, "there is a row of this name above".into(), "give every profile its own name; the first row was used");
+                self.fault(
+                    &name,
+                    row,
+                    &name,
+                    "there is a row of this name above".into(),
+                    "give every profile its own name; the first row was used",
+                );
                 continue;
             }
             let group = self.group(&name);

@@ -56,13 +56,13 @@ fn read_up_to(path: &Path, largest: u64) -> Result<(Vec<u8>, Source), Error> {
     if largest < bytes.len() as u64 {
         return Err(refuse(bytes.len() as u64));
     }
-    let source = Source { file: path.to_path_buf(), bytes: bytes.len() as u64, digest: digest(&bytes) };
+    let source = Source { file: path.to_path_buf(), bytes: bytes.len() as u64, digest: format!("{:016x}", fnv_1a(&bytes)) };
     Ok((bytes, source))
 }
 
-/// The digest of some bytes, as [`Source::digest`] has it.
-pub(super) fn digest(bytes: &[u8]) -> String {
-    format!("{:016x}", fnv_1a(bytes))
+/// The digest of a file, as [`Source::digest`] has it.
+pub(super) fn digest_of(path: &Path) -> Result<String, Error> {
+    read(path).map(|(_, source)| source.digest)
 }
 
 /// Fowler, Noll & Vo, variant 1a, 64 bit (IETF draft-eastlake-fnv): it finds accidental changes, not forgeries.

@@ -173,7 +173,15 @@ fn one(to: &mut Table, format: &'static str, table: Headed, mut plan: Plan, name
         match DrapeProfile::new(&points) {
             Ok(profile) => {
                 let rows = profile.source_index().iter().map(|&i| lines[i]).collect();
-                to.profiles.push(NamedProfile { name, sheet: table.sheet.clone(), profile, rows, input: points, input_rows: lines, weights });
+                to.profiles.push(NamedProfile {
+                    name,
+                    sheet: table.sheet.clone(),
+                    profile,
+                    rows,
+                    input: points,
+                    input_rows: lines,
+                    weights,
+                });
             }
             Err(error) => {
                 quarantine.push(table.fault(Some(&name), lines.first().copied(), &said, error.to_string(), "digitize the whole outline"));
