@@ -3,17 +3,25 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// Where in the input something stands: a file, and if known its row (1 = the first line of the file) and column.
+/// Where in the input something stands: a file, and if known its sheet, row (1 = the first line of the file or sheet) and column.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
     pub file: PathBuf,
+    /// Of a workbook.
+    pub sheet: Option<String>,
     pub row: Option<usize>,
     pub column: Option<String>,
 }
 
 impl Place {
     pub fn file(file: impl Into<PathBuf>) -> Self {
-        Place { file: file.into(), row: None, column: None }
+        Place { file: file.into(), sheet: None, row: None, column: None }
+    }
+
+    /// On a sheet of a workbook; `None` where the file has no sheets.
+    pub fn sheet(mut self, sheet: Option<&str>) -> Self {
+        self.sheet = sheet.map(String::from);
+        self
     }
 
     pub fn row(mut self, row: usize) -> Self {
@@ -30,6 +38,9 @@ impl Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
+        if let Some(sheet) = &self.sheet {
+            write!(f, ", sheet “{sheet}”")?;
+        }
         if let Some(row) = self.row {
             write!(f, ", row {row}")?;
         }

@@ -30,6 +30,10 @@ quantity!(
 pub const MILLIMETRE: f64 = 1e-3;
 /// One centimetre in metres.
 pub const CENTIMETRE: f64 = 1e-2;
+/// One degree in radians.
+pub const DEGREE: f64 = std::f64::consts::PI / 180.0;
+/// One gon, 1/400 of a turn, in radians.
+pub const GON: f64 = std::f64::consts::PI / 200.0;
 /// One inch in metres (exact by definition).
 pub const INCH: f64 = 0.0254;
 /// One gram per square metre in kg/m².

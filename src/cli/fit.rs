@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
+use super::told::Told;
 use super::{folds, hem_length, interval_kind, level, on_off, shade};
+
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
 use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
@@ -23,8 +25,8 @@ use crate::units::{MILLIMETRE, Metre};
 
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
 ///
-/// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile` (or run, sample …). A picture is a silhouette, dark on
-/// light or light on dark, and needs --scale-mm-per-px.
+/// A table has columns x_cm and y_cm (or _mm, _m), or angle and radius, and, if it holds several outlines, a column `profile` (or run, sample …); or one column
+/// per angle or per profile. A picture is a silhouette, dark on light or light on dark, and needs --scale-mm-per-px.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
@@ -36,7 +38,7 @@ Lengths are in mm, the phase in rad. Standard errors are those of independent er
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
 )]
 pub struct Fit {
-    /// Tables (.csv, .tsv, .txt) or silhouettes (.png, .jpg).
+    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz) or silhouettes (.png, .jpg).
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Fold count: auto (by evidence among 2 to 24), a number, or a range such as 4-9.
@@ -73,6 +75,8 @@ pub struct Fit {
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub told: Told,
 }
 
 /// Which table is printed.
@@ -171,7 +175,7 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
         return Ok((vec![(name, silhouette.profile)], vec![]));
     }
-    let table = table::profiles(file)?;
+    let table = table::read(file, &args.told.dialect())?;
     for note in &table.notes {
         eprintln!("note: {}: {note}", file.display());
     }

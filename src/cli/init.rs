@@ -9,6 +9,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::workbook::{self, Outlines};
 use crate::error::{Error, Place};
 use crate::experiment::Apparatus;
 use crate::experiment::campaign::{RESPONSES, USUAL_RESPONSES};
@@ -17,7 +18,8 @@ use crate::experiment::campaign::{RESPONSES, USUAL_RESPONSES};
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemline init spring                                       2 × 2 × 2 levels, 5 replicates, a skirt\n  \
-hemline init shadows --apparatus drapemeter --factors fabric,finish --replicates 4\n\n\
+hemline init shadows --apparatus drapemeter --factors fabric,finish --replicates 4\n  \
+hemline init spring --workbook                            a spreadsheet to fill in; hemline import reads it back\n\n\
 Run the trials in the order of design.csv, save each outline under the name in its column `profile` (a table, or a picture: then change the\n\
 name), fill in campaign.toml, and analyse with `hemline run DIR`. Nothing is ever overwritten.\n\n\
 Exit code: 0 written, 2 not written."
@@ -38,10 +40,16 @@ pub struct Init {
     /// Seed of the random run order.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Write workbook.xlsx to fill in, instead of design.csv and profiles/; `hemline import` reads it back. All outlines on one sheet, or
+    /// --workbook=sheets for a sheet per run.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "long", value_parser = outlines, value_name = "long|sheets")]
+    pub workbook: Option<Outlines>,
 }
 
 /// More factors than this make more cells than a laboratory can run.
 const MOST_FACTORS: usize = 6;
+/// What is measured on every cloth.
+const CLOTH_COLUMNS: [&str; 2] = ["areal_density_g_m2", "flexural_rigidity_un_m"];
 /// Columns of design.csv that no factor may be called.
 const TAKEN: [&str; 5] = ["run", "replicate", "profile", "areal_density_g_m2", "flexural_rigidity_un_m"];
 
@@ -50,6 +58,14 @@ fn apparatus(text: &str) -> Result<Apparatus, String> {
         "skirt" => Ok(Apparatus::Skirt),
         "drapemeter" => Ok(Apparatus::Drapemeter),
         _ => Err(format!("“{text}” is no apparatus: use skirt or drapemeter")),
+    }
+}
+
+fn outlines(text: &str) -> Result<Outlines, String> {
+    match text {
+        "long" => Ok(Outlines::Long),
+        "sheets" => Ok(Outlines::Sheets),
+        _ => Err(format!("“{text}” is no way to write outlines down: use long (one sheet) or sheets (one for each run)")),
     }
 }
 
@@ -66,12 +82,29 @@ pub fn run(args: &Init) -> Result<ExitCode, Error> {
             return Err(Error::input(Place::file(&args.dir), "the folder is not empty", "name a new one; nothing was changed"));
         }
     }
+    let dir = args.dir.display();
+    if let Some(outlines) = args.workbook {
+        fs::create_dir_all(&args.dir).map_err(|e| Error::file(&args.dir, e))?;
+        write(&args.dir.join("campaign.toml"), &campaign_toml(args))?;
+        let design: Vec<Vec<Option<f64>>> = design(args).iter().map(Trial::numbers).collect();
+        let columns = ["run", "replicate"].into_iter().chain(args.factors.iter().map(String::as_str)).chain(CLOTH_COLUMNS).collect();
+        let factors = 2..2 + args.factors.len();
+        let contents = workbook::Contents { columns, design: &design, factors, outlines, campaign: &dir.to_string() };
+        workbook::write(&args.dir.join("workbook.xlsx"), &contents)?;
+        crate::cli::print(&format!(
+            "{dir}/campaign.toml  what was measured on what: fill in the lines marked with an arrow\n\
+             {dir}/workbook.xlsx  {} runs in random order (seed {}), and room for their outlines\n\
+             then: hemline import {dir}/workbook.xlsx --into {dir} --dry-run, the same without --dry-run, and hemline run {dir}\n",
+            runs(args),
+            args.seed
+        ))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let profiles = args.dir.join("profiles");
     fs::create_dir_all(&profiles).map_err(|e| Error::file(&profiles, e))?;
     write(&args.dir.join("campaign.toml"), &campaign_toml(args))?;
     write(&args.dir.join("design.csv"), &design_csv(args))?;
     write(&profiles.join("README.md"), PROFILES)?;
-    let dir = args.dir.display();
     crate::cli::print(&format!(
         "{dir}/campaign.toml  what was measured on what: fill in the lines marked with an arrow\n\
          {dir}/design.csv     {} runs in random order (seed {}): fill in what was measured on each cloth\n\
@@ -109,16 +142,38 @@ fn runs(args: &Init) -> usize {
     (1 << args.factors.len()) * args.replicates as usize
 }
 
-/// One row per run: every combination of levels, replicated, in random order.
-fn design_csv(args: &Init) -> String {
+/// One run that is to be carried out.
+struct Trial {
+    run: usize,
+    replicate: u32,
+    /// −1 or +1, one per factor.
+    levels: Vec<i8>,
+}
+
+impl Trial {
+    /// The cells of its row, what is to be filled in empty.
+    fn numbers(&self) -> Vec<Option<f64>> {
+        let levels = self.levels.iter().map(|&level| Some(f64::from(level)));
+        [Some(self.run as f64), Some(self.replicate.into())].into_iter().chain(levels).chain(CLOTH_COLUMNS.map(|_| None)).collect()
+    }
+}
+
+/// Every combination of levels, replicated, in random order.
+fn design(args: &Init) -> Vec<Trial> {
     let mut order: Vec<(usize, u32)> =
         (1..=args.replicates).flat_map(|replicate| (0..1 << args.factors.len()).map(move |cell| (cell, replicate))).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(args.seed));
-    let digits = order.len().to_string().len();
-    let mut text = format!("run,replicate,{},areal_density_g_m2,flexural_rigidity_un_m,profile\n", args.factors.join(","));
-    for (i, (cell, replicate)) in order.iter().enumerate() {
-        let levels: Vec<&str> = (0..args.factors.len()).map(|k| if cell >> k & 1 == 1 { "1" } else { "-1" }).collect();
-        let run = i + 1;
+    let levels = |cell: usize| (0..args.factors.len()).map(|k| if cell >> k & 1 == 1 { 1 } else { -1 }).collect();
+    order.into_iter().enumerate().map(|(i, (cell, replicate))| Trial { run: i + 1, replicate, levels: levels(cell) }).collect()
+}
+
+/// One row per run.
+fn design_csv(args: &Init) -> String {
+    let trials = design(args);
+    let digits = trials.len().to_string().len();
+    let mut text = format!("run,replicate,{},{},profile\n", args.factors.join(","), CLOTH_COLUMNS.join(","));
+    for Trial { run, replicate, levels } in trials {
+        let levels: Vec<String> = levels.iter().map(i8::to_string).collect();
         text.push_str(&format!("{run},{replicate},{},,,profiles/run_{run:0digits$}.csv\n", levels.join(",")));
     }
     text
@@ -204,6 +259,21 @@ const ANALYSIS: &str = r#"
 [profiles]
 # scale_mm_per_px = 1.383       # needed for pictures (PNG, JPEG): side of a pixel on the cloth
 # object = "auto"               # "dark", "light", or "auto": what the margin of the picture is not
+# file = "profiles.parquet"     # written by `hemline import`: the profiles of runs, named like them
+
+# How tables are written. All of it is found out from the files; tell it where a file cannot say (docs/import.md).
+# [tables]
+# decimal = ","                 # or "."
+# separator = ";"               # "comma", "semicolon", "tab" or "bar"
+# encoding = "windows-1251"     # utf-8, utf-16le, windows-1252 …
+# unit = "cm"                   # of lengths whose column states none
+# angle = "deg"                 # or "rad", "gon"; of angles whose column states none
+# clockwise = true              # angles grow clockwise
+# layout = "rows"               # "long": a row per point; "rows": a row per profile; "columns": a column per profile
+# header_row = 3
+# sheets = ["run 1"]
+# [[tables.files]]              # the same keys for some files only
+#   match = "old/*.csv"
 
 # What `hemline check` holds the campaign to; theory is not asked unless a limit is set.
 [check]
@@ -224,7 +294,7 @@ const PROFILES: &str = r#"# One outline per run
 
 The column `profile` of design.csv names the file of each run. Two kinds are read.
 
-**A table** (CSV: comma, semicolon or tab; decimal point or comma) with the hem seen from above, one row per point, at least 12 points round
+**A table** (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow; decimal point or comma) with the hem seen from above, one row per point, at least 12 points round
 the whole hem, in any order. The header says the unit: `x_cm,y_cm`, or `_mm`, `_m`, `_in`. Centre and rotation do not matter; other columns
 are left alone.
 
@@ -248,7 +318,8 @@ mod tests {
     fn written(change: impl FnOnce(&mut Init)) -> (tempfile::TempDir, Init) {
         let folder = tempfile::TempDir::new().expect("a folder");
         let factors = ["rigidity", "density", "conicity"].map(String::from).to_vec();
-        let mut args = Init { dir: folder.path().join("spring"), factors, replicates: 5, apparatus: Apparatus::Skirt, seed: 1 };
+        let mut args =
+            Init { dir: folder.path().join("spring"), factors, replicates: 5, apparatus: Apparatus::Skirt, seed: 1, workbook: None };
         change(&mut args);
         run(&args).unwrap_or_else(|e| panic!("{e}"));
         (folder, args)
@@ -368,6 +439,7 @@ mod tests {
 
     fn args_like(args: &Init) -> Init {
         Init {
+            workbook: None,
             dir: args.dir.clone(),
             factors: args.factors.clone(),
             replicates: args.replicates,

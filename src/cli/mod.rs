@@ -2,11 +2,14 @@
 
 pub mod check;
 pub mod fit;
+pub mod import;
 pub mod init;
 pub mod paper;
 pub mod predict;
 pub mod regress;
 pub mod run;
+pub mod told;
+pub mod workbook;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -43,6 +46,7 @@ enum Command {
     Regress(regress::Regress),
     Check(check::Check),
     Init(init::Init),
+    Import(import::Import),
     Paper(paper::Paper),
 }
 
@@ -56,6 +60,7 @@ pub fn run() -> ExitCode {
         Command::Regress(args) => regress::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Init(args) => init::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Paper(args) => paper::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {

@@ -11,7 +11,9 @@ pub struct Quarantined {
     /// The run it belonged to, where that is known.
     pub run: Option<String>,
     pub file: PathBuf,
-    /// 1 = the first line of the file.
+    /// Of a workbook.
+    pub sheet: Option<String>,
+    /// 1 = the first line of the file, or the first row of the sheet.
     pub row: Option<usize>,
     /// The offending value as it stands in the file.
     pub value: String,
@@ -20,14 +22,15 @@ pub struct Quarantined {
 }
 
 /// Header of the quarantine table, in the order of [`Quarantined::cells`].
-pub const QUARANTINE_COLUMNS: [&str; 6] = ["run", "file", "row", "value", "problem", "remedy"];
+pub const QUARANTINE_COLUMNS: [&str; 7] = ["run", "file", "sheet", "row", "value", "problem", "remedy"];
 
 impl Quarantined {
     /// The cells of one row of the quarantine table; an empty cell where nothing is known.
-    pub fn cells(&self) -> [String; 6] {
+    pub fn cells(&self) -> [String; 7] {
         [
             self.run.clone().unwrap_or_default(),
             self.file.display().to_string(),
+            self.sheet.clone().unwrap_or_default(),
             self.row.map(|row| row.to_string()).unwrap_or_default(),
             self.value.clone(),
             self.problem.clone(),
@@ -37,12 +40,15 @@ impl Quarantined {
 }
 
 impl fmt::Display for Quarantined {
-    /// One sentence: run, file, row, value, problem; remedy.
+    /// One sentence: run, file, sheet, row, value, problem; remedy.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(run) = &self.run {
             write!(f, "run {run}: ")?;
         }
         write!(f, "{}", self.file.display())?;
+        if let Some(sheet) = &self.sheet {
+            write!(f, ", sheet “{sheet}”")?;
+        }
         if let Some(row) = self.row {
             write!(f, ", row {row}")?;
         }

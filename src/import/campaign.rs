@@ -1,13 +1,14 @@
 //! A campaign folder: `campaign.toml`, `design.csv` and the profile files → everything that was measured, and what was set aside.
 
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 use super::design::{self, DesignTable};
+use super::dialect_table::Told;
 use super::image::{self, is_picture};
+use super::store;
 use super::table::{self, Table};
-use super::{campaign_file, delimited};
+use super::{campaign_file, cells};
 use crate::error::{Error, Place};
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
@@ -38,21 +39,24 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         let remedy = format!("a campaign folder has one; `hemline init {}` writes it", folder.display());
         return Err(Error::input(Place::file(toml), "there is no such file", remedy));
     }
+    // An import that was killed after it was decided on is finished first.
+    store::recover(folder)?;
     let file = campaign_file::read(&toml)?;
-    let table = folder.join("design.csv");
-    if !table.is_file() {
-        return Err(Error::input(Place::file(table), "there is no such file", "a campaign folder has one, with one row per run"));
-    }
+    let table = design_table(folder)?;
     let DesignTable { design, rows, quarantine, notes, source } = design::read(&table, &file)?;
     let mut reader = Profiles {
         folder,
         design: &table,
         pictures: file.pictures,
+        store: file.store.as_ref().map(|store| folder.join(store)),
+        told: &file.tables,
+        stored_beside: Vec::new(),
         tables: BTreeMap::new(),
         quarantine,
         sources: vec![file.source.clone(), source],
         notes,
     };
+    reader.open_store(&toml)?;
     let profiles: Vec<Option<DrapeProfile>> = design.runs.iter().zip(&rows).map(|(run, &row)| reader.profile(run, row)).collect();
     reader.note_repeats(&design.runs);
     reader.note_strays(&design.runs);
@@ -83,6 +87,46 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
     Ok(Imported { campaign, profiles, quarantine, sources, notes })
 }
 
+/// The design table, in whichever format it is; there may be one only.
+fn design_table(folder: &Path) -> Result<PathBuf, Error> {
+    const NAMES: [&str; 10] = ["csv", "csv.gz", "tsv", "txt", "xlsx", "xls", "ods", "parquet", "arrow", "feather"];
+    let there: Vec<PathBuf> = NAMES.iter().map(|end| folder.join(format!("design.{end}"))).filter(|path| path.is_file()).collect();
+    match &there[..] {
+        [only] => Ok(only.clone()),
+        [] => {
+            let remedy = "a campaign folder has one, with one row per run; if it is in a workbook, `hemline import` takes it over";
+            Err(Error::input(Place::file(folder.join("design.csv")), "there is no such file", remedy))
+        }
+        [first, others @ ..] => {
+            let names: Vec<String> = others.iter().map(|path| path.display().to_string()).collect();
+            Err(Error::input(Place::file(first), format!("there is also {}", names.join(", ")), "keep one design table"))
+        }
+    }
+}
+
+/// Whether a profile is named like a run: alike, or alike but for a word such as “run” and zeros in front.
+fn named_alike(profile: &str, run: &str) -> bool {
+    const WORDS: [&str; 9] = ["run", "profile", "outline", "specimen", "sample", "опыт", "образец", "профиль", "versuch"];
+    let bare = |name: &str| {
+        let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
+        let name = WORDS.iter().find_map(|word| name.strip_prefix(word)).filter(|rest| !rest.is_empty()).unwrap_or(&name).to_owned();
+        match name.trim_start_matches('0') {
+            number if !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()) => number.to_owned(),
+            _ => name,
+        }
+    };
+    profile == run || bare(profile) == bare(run)
+}
+
+/// The only name that means a run; one that is exactly alike goes first.
+fn name_of_run<'a>(names: &[&'a str], run: &str) -> Option<&'a str> {
+    let alike: Vec<&str> = names.iter().copied().filter(|name| named_alike(name, run)).collect();
+    match alike[..] {
+        [only] => Some(only),
+        _ => alike.into_iter().find(|name| *name == run),
+    }
+}
+
 /// An expected failure must speak of a run that is there, or that is known to be missing.
 fn known_runs(toml: &Path, campaign: &Campaign, quarantine: &[Quarantined]) -> Result<(), Error> {
     let runs = campaign.design.runs.iter().map(|run| run.id.as_str());
@@ -100,6 +144,11 @@ struct Profiles<'a> {
     folder: &'a Path,
     design: &'a Path,
     pictures: Option<Pictures>,
+    /// What `hemline import` wrote.
+    store: Option<PathBuf>,
+    told: &'a Told,
+    /// Runs whose profile is in the store and in a file of their own too.
+    stored_beside: Vec<String>,
     /// Profile tables that were read; several runs may share one. A refused one keeps its reason.
     tables: BTreeMap<PathBuf, Result<Table, Quarantined>>,
     quarantine: Vec<Quarantined>,
@@ -112,15 +161,61 @@ impl Profiles<'_> {
         self.quarantine.push(Quarantined {
             run: Some(run.id.clone()),
             file: self.design.to_path_buf(),
+            sheet: None,
             row: Some(row),
-            value: delimited::shortened(&run.profile.display().to_string()),
+            value: cells::shortened(&run.profile.display().to_string()),
             problem: problem.into(),
             remedy: remedy.into(),
         });
     }
 
+    /// Reads the store, if the campaign names one.
+    fn open_store(&mut self, toml: &Path) -> Result<(), Error> {
+        let Some(store) = self.store.clone() else { return Ok(()) };
+        if !store.is_file() {
+            let problem = format!("[profiles] names {}, and there is no such file", store.display());
+            return Err(Error::input(Place::file(toml), problem, "import into the campaign again, or take the line out"));
+        }
+        let table = table::read(&store, &self.told.of(&store))?;
+        self.sources.push(table.source.clone());
+        self.quarantine.extend(table.quarantine.iter().filter(|q| q.run.is_none()).cloned());
+        self.tables.insert(store, Ok(table));
+        let rejected = store::read_set_aside(self.folder).map_or(0, |rows| rows.len());
+        if 0 < rejected {
+            let list = self.folder.join(store::QUARANTINE);
+            self.notes.push(format!("{} lists {rejected} row(s), cell(s) or file(s) that were set aside on import", list.display()));
+        }
+        Ok(())
+    }
+
+    /// The profile of one run in the store; `Some(None)` if it is there and cannot be used.
+    fn stored(&mut self, run: &Run) -> Option<Option<DrapeProfile>> {
+        let Ok(table) = self.tables.get(self.store.as_ref()?)? else { return None };
+        let mut names: Vec<&str> = table.profiles.iter().map(|p| p.name.as_str()).collect();
+        names.extend(table.quarantine.iter().filter_map(|q| q.run.as_deref()).filter(|run| !table.profiles.iter().any(|p| p.name == *run)));
+        let name = name_of_run(&names, &run.id)?;
+        let faults = table.quarantine.iter().filter(|q| q.run.as_deref() == Some(name));
+        self.quarantine.extend(faults.map(|fault| Quarantined { run: Some(run.id.clone()), ..fault.clone() }));
+        let found = table.profiles.iter().find(|p| p.name == name).map(|p| p.profile.clone());
+        if !run.profile.as_os_str().is_empty() && self.folder.join(&run.profile).is_file() {
+            self.stored_beside.push(run.id.clone());
+        }
+        Some(found)
+    }
+
     /// The profile of one run, whose row in the design table is `row`.
     fn profile(&mut self, run: &Run, row: usize) -> Option<DrapeProfile> {
+        if let Some(stored) = self.stored(run) {
+            if stored.as_ref().is_some_and(DrapeProfile::was_scattered) {
+                self.notes.push(format!("run {}: the points were not in order round the outline; the order was reconstructed", run.id));
+            }
+            return stored;
+        }
+        if let (Some(store), true) = (self.store.clone(), run.profile.as_os_str().is_empty()) {
+            let problem = format!("{} holds no profile named like the run", store.display());
+            self.set_aside(run, row, &problem, "import its outline; name it, its sheet or its file like the run");
+            return None;
+        }
         if run.profile.as_os_str().is_empty() {
             self.set_aside(run, row, "column “profile” is empty", "name the profile file of this run");
             return None;
@@ -168,7 +263,7 @@ impl Profiles<'_> {
 
     fn outline(&mut self, run: &Run, path: &Path) -> Option<DrapeProfile> {
         if !self.tables.contains_key(path) {
-            let table = table::profiles(path).map_err(|e| super::quarantine::refused(None, path.to_path_buf(), e));
+            let table = table::read(path, &self.told.of(path)).map_err(|e| super::quarantine::refused(None, path.to_path_buf(), e));
             if let Ok(table) = &table {
                 self.sources.push(table.source.clone());
                 // Rows that name no profile belong to no run; they are listed once.
@@ -191,7 +286,7 @@ impl Profiles<'_> {
         }
         let name = match names[..] {
             [only] => only.to_owned(),
-            _ => run.id.clone(),
+            _ => name_of_run(&names, &run.id).unwrap_or(&run.id).to_owned(),
         };
         let found = table.profiles.iter().find(|p| p.name == name).map(|p| p.profile.clone());
         let mut faults: Vec<Quarantined> = table.quarantine.iter().filter(|q| q.run.as_deref() == Some(&name)).cloned().collect();
@@ -199,6 +294,7 @@ impl Profiles<'_> {
             faults.push(Quarantined {
                 run: None,
                 file: path.to_path_buf(),
+                sheet: None,
                 row: None,
                 value: names.join(", "),
                 problem: format!("the file holds {} profiles, none of them named “{}”", names.len(), run.id),
@@ -234,6 +330,10 @@ impl Profiles<'_> {
             }
         }
         self.notes.extend(notes);
+        if !self.stored_beside.is_empty() {
+            let runs = cells::shortened(&self.stored_beside.join(", "));
+            self.notes.push(format!("the imported profile was used, not the run's own file, for run(s) {runs}"));
+        }
     }
 
     /// Profile files that belong to no run.
@@ -247,7 +347,7 @@ impl Profiles<'_> {
             let mut strays: Vec<String> = entries
                 .flatten()
                 .map(|entry| entry.path())
-                .filter(|path| is_picture(path) || path.extension().is_some_and(|e| e == OsStr::new("csv")))
+                .filter(|path| is_picture(path) || table::is_table(path))
                 .filter(|path| !runs.iter().any(|run| self.folder.join(&run.profile) == *path))
                 .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
                 .collect();
@@ -257,9 +357,26 @@ impl Profiles<'_> {
                     "{} file(s) in {} belong to no run: {}",
                     strays.len(),
                     folder.display(),
-                    delimited::shortened(&strays.join(", "))
+                    cells::shortened(&strays.join(", "))
                 ));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn profiles_are_known_by_the_number_of_their_run() {
+        for name in ["7", "run 7", "Run_07", "опыт 7", "Run #7"] {
+            assert!(named_alike(name, "7"), "{name}");
+        }
+        for name in ["17", "7a", "run", "70"] {
+            assert!(!named_alike(name, "7"), "{name}");
+        }
+        assert_eq!(name_of_run(&["7", "run 7"], "7"), Some("7"));
+        assert_eq!(name_of_run(&["07", "run 7"], "7"), None);
     }
 }

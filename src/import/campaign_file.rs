@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::cells::one_line;
 use super::check_table::CheckTable;
-use super::delimited::one_line;
+use super::column::length_unit;
+use super::dialect_table::{DialectTable, Told};
 use super::source;
-use super::table::length_unit;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
@@ -59,6 +60,9 @@ pub(super) struct CampaignFile {
     pub gravity: f64,
     pub foundation_modulus: f64,
     pub pictures: Option<Pictures>,
+    /// What `hemline import` wrote, below the folder: profiles named like their runs.
+    pub store: Option<PathBuf>,
+    pub tables: Told,
     pub check: CheckRules,
 }
 
@@ -77,6 +81,8 @@ struct Document {
     analysis: Analysis,
     #[serde(default)]
     profiles: Profiles,
+    #[serde(default)]
+    tables: DialectTable,
     #[serde(default)]
     wishes: Vec<Spanned<WishEntry>>,
     #[serde(default)]
@@ -165,6 +171,7 @@ struct Profiles {
     scale_mm_per_px: Option<Spanned<f64>>,
     #[serde(default)]
     object: Shade,
+    file: Option<Spanned<String>>,
 }
 
 /// Reads and checks `campaign.toml`.
@@ -176,6 +183,46 @@ pub(super) fn read(path: &Path) -> Result<CampaignFile, Error> {
     let text = String::from_utf8(bytes).map_err(|_| Error::input(Place::file(path), "this is not UTF-8 text", "save it as UTF-8"))?;
     let document: Document = toml::from_str(&text).map_err(|e| syntax(path, &text, &e))?;
     Reader { path, text: &text }.check(document, source)
+}
+
+/// What an import needs of `campaign.toml`; the rest may still have to be filled in.
+pub(super) struct ForImport {
+    pub factors: Vec<String>,
+    pub store: Option<PathBuf>,
+    pub tables: Told,
+    pub pictures: Option<Pictures>,
+}
+
+#[derive(Deserialize)]
+struct DocumentForImport {
+    #[serde(default)]
+    factors: Vec<FactorName>,
+    #[serde(default)]
+    profiles: Profiles,
+    #[serde(default)]
+    tables: DialectTable,
+}
+
+#[derive(Deserialize)]
+struct FactorName {
+    name: String,
+}
+
+/// Reads what an import needs.
+///
+/// # Errors
+/// As [`read`], for these parts only.
+pub(super) fn for_import(path: &Path) -> Result<ForImport, Error> {
+    let (bytes, _) = source::read(path)?;
+    let text = String::from_utf8(bytes).map_err(|_| Error::input(Place::file(path), "this is not UTF-8 text", "save it as UTF-8"))?;
+    let document: DocumentForImport = toml::from_str(&text).map_err(|e| syntax(path, &text, &e))?;
+    let reader = Reader { path, text: &text };
+    Ok(ForImport {
+        factors: document.factors.into_iter().map(|factor| factor.name).collect(),
+        store: reader.store(&document.profiles.file)?,
+        pictures: reader.pictures(&document.profiles)?,
+        tables: document.tables.told(&reader)?,
+    })
 }
 
 /// A fault that the TOML reader found, with its row, and for an unknown key the nearest known one.
@@ -241,7 +288,7 @@ impl Reader<'_> {
     }
 
     fn check(&self, document: Document, source: Source) -> Result<CampaignFile, Error> {
-        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, wishes: wanted, check } = document;
+        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, tables, wishes: wanted, check } = document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
         {
@@ -290,13 +337,9 @@ impl Reader<'_> {
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
             foundation_modulus: self
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,
-            pictures: match profiles.scale_mm_per_px {
-                None => None,
-                scale => {
-                    let millimetres = self.number(&scale, 0.0, "scale_mm_per_px", "positive", |s| 0.0 < s)?;
-                    Some(Pictures { pixel: Metre(millimetres * units::MILLIMETRE), object: profiles.object })
-                }
-            },
+            store: self.store(&profiles.file)?,
+            tables: tables.told(self)?,
+            pictures: self.pictures(&profiles)?,
         })
     }
 
@@ -317,6 +360,26 @@ impl Reader<'_> {
                 Err(Error::input(self.place(&value.span()), problem, format!("it must be {allowed}")))
             }
         }
+    }
+
+    fn pictures(&self, profiles: &Profiles) -> Result<Option<Pictures>, Error> {
+        if profiles.scale_mm_per_px.is_none() {
+            return Ok(None);
+        }
+        let millimetres = self.number(&profiles.scale_mm_per_px, 0.0, "scale_mm_per_px", "positive", |s| 0.0 < s)?;
+        Ok(Some(Pictures { pixel: Metre(millimetres * units::MILLIMETRE), object: profiles.object }))
+    }
+
+    /// The file of all profiles, below the campaign's folder.
+    fn store(&self, given: &Option<Spanned<String>>) -> Result<Option<PathBuf>, Error> {
+        let Some(given) = given else { return Ok(None) };
+        let path = PathBuf::from(given.get_ref().replace('\\', "/"));
+        let inside = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !inside || path.as_os_str().is_empty() {
+            let problem = format!("“file” is “{}”, which is no file below the campaign's folder", given.get_ref());
+            return Err(Error::input(self.place(&given.span()), problem, "`hemline import` writes profiles.parquet there"));
+        }
+        Ok(Some(path))
     }
 
     /// A section of `name_unit = number` or `name_unit = { column = … }`.

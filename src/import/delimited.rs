@@ -1,7 +1,7 @@
-//! Delimited text: bytes of a CSV or TSV file → named columns of text cells, each row with its line in the file.
+//! Delimited text: bytes of a CSV or TSV file → a table with its header, each row with its line in the file.
 //!
-//! Polars splits the cells. What it cannot know is settled before: the encoding mark, the separator, the unit tokens that a careless header
-//! splits off, and which line of the file a row came from, so that a fault can be located.
+//! Polars splits the cells. What it cannot know is settled before: the encoding, the separator, where the header stands, the unit tokens that a
+//! careless header splits off, and which line of the file a row came from, so that a fault can be located.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,109 +9,110 @@ use std::sync::Arc;
 
 use polars::prelude::{CsvParseOptions, CsvReadOptions, DataType, Field, Schema, SerReader};
 
-use super::number::Numbers;
-use super::source;
+use super::cells::{Cell, Headed, MOST_CELLS, MOST_COLUMNS, Row, one_line};
+use super::dialect::Dialect;
+use super::encoding;
+use super::header::{self, Header};
 use crate::error::{Error, Place};
-use crate::experiment::Quarantined;
-use crate::experiment::Source;
 
-/// Separators tried, in this order: the first that splits header and rows alike is it.
-const SEPARATORS: [char; 3] = ['\t', ';', ','];
-/// More columns than this are no table of profiles; it bounds the memory that a broken file can ask for.
-const MOST_COLUMNS: usize = 10_000;
+/// Separators tried, in this order: the first that splits the rows alike under a header that is looked for is it.
+const SEPARATORS: [char; 4] = ['\t', ';', ',', '|'];
+/// A longer line is no row of a table: ten thousand columns of a hundred characters. Bytes.
+const LONGEST_LINE: usize = 1 << 20;
+/// What a line begins with that is for people.
+const COMMENTS: [&str; 3] = ["#", "%", "//"];
 
-/// A table of text cells.
-#[derive(Debug, Clone)]
-pub(super) struct Delimited {
-    pub source: Source,
-    pub separator: char,
-    /// Line of the header.
-    pub header_line: usize,
-    /// Column names as the header has them, trimmed.
-    pub header: Vec<String>,
-    /// `columns[c][r]`, trimmed; empty where the file has nothing.
-    columns: Vec<Vec<String>>,
-    /// `lines[r]`: 1 = the first line of the file.
-    pub lines: Vec<usize>,
-    /// Rows that could not be split like the header.
-    pub quarantine: Vec<Quarantined>,
-}
-
-impl Delimited {
-    pub(super) fn rows(&self) -> usize {
-        self.lines.len()
-    }
-
-    pub(super) fn cell(&self, row: usize, column: usize) -> &str {
-        &self.columns[column][row]
-    }
-
-    /// The cells of some columns, in file order, to settle how numbers are written.
-    pub(super) fn numbers(&self, columns: &[usize]) -> Numbers {
-        Numbers::of(columns.iter().flat_map(|&c| self.columns[c].iter().map(String::as_str)))
-    }
-}
-
-/// Reads a delimited text file with one header line.
+/// Reads a delimited text with one header row.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read; [`Error::Input`] if it is no text, empty, or has a header only, or two columns of one name.
-pub(super) fn read(path: &Path) -> Result<Delimited, Error> {
-    let (bytes, source) = source::read(path)?;
-    let text = decode(&bytes).map_err(|problem| Error::input(Place::file(path), problem, "save it as CSV, UTF-8"))?;
+/// [`Error::Input`] if it is no text, empty, too wide, too long, or has two columns of one name.
+pub(super) fn read(path: &Path, bytes: Vec<u8>, dialect: &Dialect, wanted: &dyn Fn(&[String]) -> bool) -> Result<Headed, Error> {
+    let refuse = |problem: String, remedy: &str| Error::input(Place::file(path), problem, remedy);
+    let decoded = encoding::decode(&bytes, dialect.encoding.as_deref())
+        .map_err(|problem| refuse(problem, "save it as CSV, UTF-8; or as XLSX, ODS or Parquet"))?;
+    drop(bytes);
+    let text = decoded.text;
     // A line that is blank or a comment is no row; the rest keep their line numbers.
-    let mut lines = records(&text).filter(|(_, line)| !(line.trim().is_empty() || line.starts_with('#')));
-    let Some((header_line, first)) = lines.next() else {
-        return Err(Error::input(Place::file(path), "the file is empty", "it needs a header line and one line per row"));
+    let comment = |line: &str| COMMENTS.iter().any(|mark| line.trim_start().starts_with(mark));
+    let mut comments = 0;
+    let mut lines: Vec<(usize, &str)> = Vec::new();
+    for (line, record) in records(&text) {
+        if LONGEST_LINE < record.len() {
+            let problem = format!("row {line} has {} bytes", record.len());
+            return Err(refuse(problem, "a row has at most 1 MiB; check for a quotation mark that is never closed"));
+        }
+        if comment(record) {
+            comments += 1;
+        } else if !record.trim().is_empty() {
+            lines.push((line, record));
+        }
+    }
+    let preview: Vec<(usize, &str)> = lines.iter().take(2 * header::SEARCHED).copied().collect();
+    let Some((separator, found, split_rows)) = split_by(&preview, dialect, wanted) else {
+        if let (Some(row), false) = (dialect.header_row, lines.is_empty()) {
+            return Err(refuse(format!("row {row}, told to be the header, is not among the first rows with text"), "correct header_row"));
+        }
+        return Err(refuse("the file is empty".into(), "it needs a header line and one line per row"));
     };
-    let rest: Vec<(usize, &str)> = lines.collect();
-    let (separator, header) = dialect(first, &rest);
-    if MOST_COLUMNS < header.len() {
+    let header_line = split_rows[found.at].0;
+    if MOST_COLUMNS < found.names.len() {
         return Err(Error::input(
             Place::file(path).row(header_line),
-            format!("{} columns", header.len()),
+            format!("{} columns", found.names.len()),
             format!("at most {MOST_COLUMNS} are read"),
         ));
     }
-    for (i, name) in header.iter().enumerate() {
-        if !name.is_empty() && header[..i].iter().any(|other| other.eq_ignore_ascii_case(name)) {
-            let place = Place::file(path).row(header_line).column(name);
-            return Err(Error::input(place, "two columns have this name", "give every column its own name"));
-        }
+    let mut table = Headed {
+        file: path.to_path_buf(),
+        sheet: None,
+        encoding: Some(decoded.name),
+        separator: Some(separator),
+        header_line,
+        titles: header::titles(&split_rows, &found),
+        units: Vec::new(),
+        rows: Vec::new(),
+        quarantine: Vec::new(),
+        notes: Vec::new(),
+        header: found.names,
+    };
+    if 0 < comments {
+        table.notes.push(format!("{comments} comment line(s) were passed over"));
     }
-    let mut quarantine = Vec::new();
-    let mut body = String::with_capacity(text.len());
-    let mut kept = Vec::with_capacity(rest.len());
-    for (line, row) in rest {
-        let cells = split(row, separator).len();
+    fill(path, &mut table, &lines[found.at + 1..], separator)?;
+    header::finish(table)
+}
+
+/// Splits the rows below the header and sets aside those of another width.
+fn fill(path: &Path, table: &mut Headed, lines: &[(usize, &str)], separator: char) -> Result<(), Error> {
+    let width = table.header.len();
+    if MOST_CELLS < width.saturating_mul(lines.len()) {
+        let problem = format!("{} rows of {width} columns", lines.len());
+        return Err(Error::input(Place::file(path), problem, format!("at most {MOST_CELLS} cells are read; split the file")));
+    }
+    let mut body = String::new();
+    let mut kept = Vec::with_capacity(lines.len());
+    for &(line, row) in lines {
+        let cells = split(row, separator);
         // Spreadsheets pad rows with empty cells; too few or too many with something in them would put values under wrong names.
-        let padded = header.len() < cells && split(row, separator)[header.len()..].iter().all(|cell| cell.is_empty());
-        if cells == header.len() || padded {
+        let padded = width < cells.len() && cells[width..].iter().all(|cell| cell.is_empty());
+        if cells.len() == width || padded {
             kept.push(line);
             body.push_str(row);
             body.push('\n');
         } else if row.chars().any(|c| c != separator && !c.is_whitespace()) {
-            quarantine.push(Quarantined {
-                run: None,
-                file: path.to_path_buf(),
-                row: Some(line),
-                value: shortened(row),
-                problem: format!("{cells} cells where the header has {}", header.len()),
-                remedy: "check for a missing cell, or a decimal comma in a file separated by commas".into(),
-            });
+            let problem = format!("{} cells where the header has {width}", cells.len());
+            let remedy = "check for a missing cell, or a decimal comma in a file separated by commas";
+            table.quarantine.push(table.fault(None, Some(line), row, problem, remedy));
         }
     }
-    let columns = cells(path, body, separator, header.len())?;
-    if columns.iter().any(|column| column.len() != kept.len()) {
-        return Err(Error::input(Place::file(path), "the rows cannot be told apart", "check for a quotation mark that is never closed"));
-    }
-    Ok(Delimited { source, separator, header_line, header, columns, lines: kept, quarantine })
+    table.rows = cells(path, body, separator, width, &kept)?;
+    Ok(())
 }
 
 /// Splits the rows with polars; every column is text.
-fn cells(path: &Path, body: String, separator: char, width: usize) -> Result<Vec<Vec<String>>, Error> {
+fn cells(path: &Path, body: String, separator: char, width: usize, lines: &[usize]) -> Result<Vec<Row>, Error> {
     if body.is_empty() {
-        return Ok(vec![Vec::new(); width]);
+        return Ok(Vec::new());
     }
     let refuse = |e: polars::error::PolarsError| Error::input(Place::file(path), one_line(&e.to_string()), "save it as plain CSV, UTF-8");
     let schema = Schema::from_iter((0..width).map(|c| Field::new(format!("{c}").into(), DataType::String)));
@@ -122,32 +123,15 @@ fn cells(path: &Path, body: String, separator: char, width: usize) -> Result<Vec
         .with_parse_options(parse)
         .with_n_threads(Some(1));
     let frame = options.into_reader_with_file_handle(Cursor::new(body)).finish().map_err(refuse)?;
-    frame
-        .columns()
-        .iter()
-        .map(|column| {
-            let text = column.str().map_err(refuse)?;
-            Ok(text.iter().map(|cell| cell.unwrap_or_default().trim().to_owned()).collect())
-        })
-        .collect()
-}
-
-/// UTF-8, with or without its mark.
-fn decode(bytes: &[u8]) -> Result<String, String> {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
-        return Err("the text is encoded as UTF-16".into());
+    if frame.height() != lines.len() {
+        return Err(Error::input(Place::file(path), "the rows cannot be told apart", "check for a quotation mark that is never closed"));
     }
-    if bytes.starts_with(b"PK\x03\x04") {
-        return Err("this is a spreadsheet or archive, not text".into());
+    let mut rows: Vec<Row> = lines.iter().map(|&line| Row { line, cells: Vec::with_capacity(width) }).collect();
+    for column in frame.columns() {
+        let text = column.str().map_err(refuse)?;
+        rows.iter_mut().zip(text.iter()).for_each(|(row, cell)| row.cells.push(Cell::text(cell.unwrap_or_default())));
     }
-    if bytes.contains(&0) {
-        return Err("this is no text file".into());
-    }
-    String::from_utf8(bytes.to_vec()).map_err(|e| {
-        let line = bytes[..e.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
-        format!("row {line} is not UTF-8 text")
-    })
+    Ok(rows)
 }
 
 /// Records with the number of their first line. A line break inside quotes does not end a record.
@@ -195,66 +179,69 @@ fn split(record: &str, separator: char) -> Vec<String> {
     cells.into_iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
-/// The separator and the header cells: the first separator that splits the header like most of the first rows.
-fn dialect(header: &str, rows: &[(usize, &str)]) -> (char, Vec<String>) {
-    let width = |separator| {
-        let mut widths: Vec<usize> = rows.iter().take(20).map(|(_, row)| split(row, separator).len()).collect();
-        widths.sort_unstable();
-        widths.get(widths.len() / 2).copied()
+/// The first rows with their lines, each split into cells.
+type SplitRows = Vec<(usize, Vec<String>)>;
+
+/// The separator, the header, and the first rows split by it: the first separator that splits most rows alike, under a header that is wanted
+/// if there is one. `None` if there are no rows, or the header that was told is not among them.
+fn split_by(rows: &[(usize, &str)], dialect: &Dialect, wanted: &dyn Fn(&[String]) -> bool) -> Option<(char, Header, SplitRows)> {
+    let with = |separator: char| {
+        let split_rows: SplitRows = rows.iter().map(|(line, row)| (*line, split(row, separator))).collect();
+        let header = header::locate(&split_rows, dialect.header_row, wanted)?;
+        Some((separator, header, split_rows))
     };
-    for separator in SEPARATORS {
-        let cells = split(header, separator);
-        let joined = with_units_joined(&cells);
-        for names in [cells, joined] {
-            if 1 < names.len() && width(separator).is_none_or(|w| w == names.len()) {
-                return (separator, names);
-            }
-        }
+    if let Some(told) = dialect.separator {
+        return with(told);
     }
-    let separator = SEPARATORS.into_iter().find(|&s| header.contains(s)).unwrap_or(',');
-    (separator, split(header, separator))
-}
-
-/// `x, mm, y, mm` is two columns: a cell that is a unit belongs to the name before it.
-fn with_units_joined(cells: &[String]) -> Vec<String> {
-    let mut joined: Vec<String> = Vec::new();
-    for cell in cells {
-        match joined.last_mut() {
-            Some(name) if crate::units::factor(&cell.to_lowercase()).is_some() => *name = format!("{name}, {cell}"),
-            _ => joined.push(cell.clone()),
-        }
+    let alike: Vec<_> = SEPARATORS.into_iter().filter(|&separator| splits_alike(rows, separator)).filter_map(with).collect();
+    let best = alike.iter().position(|(_, header, _)| header.wanted).unwrap_or(0);
+    match alike.into_iter().nth(best) {
+        Some(found) => Some(found),
+        None => with(SEPARATORS.into_iter().find(|&s| rows.iter().any(|(_, row)| row.contains(s))).unwrap_or(',')),
     }
-    joined
 }
 
-/// A value short enough for one sentence.
-pub(super) fn shortened(value: &str) -> String {
-    const LONGEST: usize = 60;
-    let value = one_line(value);
-    if value.chars().count() <= LONGEST { value } else { value.chars().take(LONGEST).chain(['…']).collect() }
-}
-
-/// A message on one line.
-pub(super) fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
+/// Whether more than half of the rows have one and the same number of cells, more than one.
+fn splits_alike(rows: &[(usize, &str)], separator: char) -> bool {
+    let mut widths: Vec<usize> = rows.iter().map(|(_, row)| split(row, separator).len()).collect();
+    widths.sort_unstable();
+    let most = widths.chunk_by(|a, b| a == b).filter(|group| 1 < group[0]).map(<[usize]>::len).max();
+    most.is_some_and(|most| rows.len() <= 2 * most)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn dialect(text: &str) -> (char, Vec<String>) {
+        let rows: Vec<(usize, &str)> = records(text).collect();
+        let (separator, header, _) = split_by(&rows, &Dialect::default(), &|_| false).expect("rows");
+        (separator, header.names)
+    }
+
     #[test]
     fn separators_and_split_off_units_are_found() {
-        let dialect = |header: &str, row: &str| dialect(header, &[(2, row)]);
-        assert_eq!(dialect("x_cm;y_cm", "1,5;2,5"), (';', vec!["x_cm".into(), "y_cm".into()]));
-        assert_eq!(dialect("x, mm;y, mm", "1;2"), (';', vec!["x, mm".into(), "y, mm".into()]));
-        assert_eq!(dialect("x, mm,y, mm", "1,2"), (',', vec!["x, mm".into(), "y, mm".into()]));
-        assert_eq!(dialect("\"x, mm\"\ty", "1\t2"), ('\t', vec!["x, mm".into(), "y".into()]));
+        assert_eq!(dialect("x_cm;y_cm\n1,5;2,5"), (';', vec!["x_cm".into(), "y_cm".into()]));
+        assert_eq!(dialect("x, mm;y, mm\n1;2"), (';', vec!["x, mm".into(), "y, mm".into()]));
+        assert_eq!(dialect("x, mm,y, mm\n1,2"), (',', vec!["x, mm".into(), "y, mm".into()]));
+        assert_eq!(dialect("\"x, mm\"\ty\n1\t2"), ('\t', vec!["x, mm".into(), "y".into()]));
+        assert_eq!(dialect("x_cm|y_cm\n1|2"), ('|', vec!["x_cm".into(), "y_cm".into()]));
     }
 
     #[test]
     fn records_keep_their_line_numbers_past_blank_lines_and_quoted_breaks() {
         let found: Vec<(usize, &str)> = records("a\r\n\r\n\"b\nc\"\nd").collect();
         assert_eq!(found, [(1, "a"), (2, ""), (3, "\"b\nc\""), (5, "d")]);
+    }
+
+    #[test]
+    fn bounds_are_said_and_held() {
+        let read = |text: String| {
+            let refused = read(Path::new("t.csv"), text.into_bytes(), &Dialect::default(), &|_| false);
+            refused.map(|table| table.rows.len()).expect_err("refused").to_string()
+        };
+        assert!(read(format!("x,y\n{}\n", "1,".repeat(600_000))).contains("at most 1 MiB"));
+        assert!(read(format!("{}\n1\n", "c,".repeat(20_000))).contains("at most 10000 are read"));
+        assert!(read(String::from("x,y\n\"1,2\n") + &"3,4\n".repeat(1 << 19)).contains("quotation mark"));
     }
 }

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::campaign_file::{CampaignFile, Levels, Quantity, unknown};
-use super::delimited::{self, Delimited, shortened};
+use super::cells::Headed;
+use super::column::length_unit;
+use super::document;
 use super::number::Numbers;
-use crate::error::{Error, Place};
+use crate::error::Error;
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
 use crate::experiment::{Apparatus, Design, Fabric, Factor, Run, Skirt};
@@ -28,18 +30,24 @@ pub(super) struct DesignTable {
 /// # Errors
 /// [`Error::Input`] if the table is none, or a column that it needs or that `campaign.toml` names is not there.
 pub(super) fn read(path: &Path, file: &CampaignFile) -> Result<DesignTable, Error> {
-    let table = delimited::read(path)?;
-    let columns = Columns::find(path, &table, file)?;
+    let names_runs = |names: &[String]| {
+        let has = |name: &str| names.iter().any(|other| other.eq_ignore_ascii_case(name));
+        has("run") && file.factors.iter().all(|(factor, _)| has(&factor.name))
+    };
+    let document = document::read(path, &file.tables.of(path), &names_runs)?;
+    let source = document.source.clone();
+    let table = document.into_one(|table| names_runs(&table.header))?;
+    let columns = Columns::find(&table, file)?;
     let mut reader =
-        Reader { path, table: &table, file, numbers: table.numbers(&columns.numeric()), columns, quarantine: table.quarantine.clone() };
+        Reader { table: &table, file, numbers: table.numbers(&columns.numeric()), columns, quarantine: table.quarantine.clone() };
     let (mut runs, mut rows): (Vec<Run>, Vec<usize>) = (Vec::new(), Vec::new());
     // Every run that has a row, usable or not, with the line of its first row.
     let mut seen: Vec<(String, usize)> = Vec::new();
-    for row in 0..table.rows() {
+    for row in 0..table.rows.len() {
         if (0..table.header.len()).all(|c| table.cell(row, c).is_empty()) {
             continue;
         }
-        let line = table.lines[row];
+        let line = table.line(row);
         let id = table.cell(row, reader.columns.run).to_owned();
         if id.is_empty() {
             reader.set_aside(row, None, "", "column “run” is empty".into(), "number the run");
@@ -57,22 +65,17 @@ pub(super) fn read(path: &Path, file: &CampaignFile) -> Result<DesignTable, Erro
         }
     }
     if seen.is_empty() {
-        return Err(Error::input(Place::file(path), "the design table has no runs", "one row per run is needed"));
+        return Err(Error::input(table.place(), "the design table has no runs", "one row per run is needed"));
     }
     for id in missing_numbers(&seen) {
-        reader.quarantine.push(Quarantined {
-            run: Some(id.to_string()),
-            file: path.to_path_buf(),
-            row: None,
-            value: String::new(),
-            problem: format!("missing run: run {id} has no row in the design table"),
-            remedy: "add its row, or number the runs without gaps".into(),
-        });
+        let problem = format!("missing run: run {id} has no row in the design table");
+        let id = id.to_string();
+        reader.quarantine.push(table.fault(Some(&id), None, "", problem, "add its row, or number the runs without gaps"));
     }
     let quarantine = reader.quarantine;
     let design = Design { factors: file.factors.iter().map(|(factor, _)| factor.clone()).collect(), runs };
     let notes = notes(&design);
-    Ok(DesignTable { design, rows, quarantine, notes, source: table.source })
+    Ok(DesignTable { design, rows, quarantine, notes, source })
 }
 
 /// Where runs are numbered 1, 2, …, the numbers that are left out.
@@ -118,7 +121,7 @@ struct Columns {
     run: usize,
     replicate: Option<usize>,
     block: Option<usize>,
-    profile: usize,
+    profile: Option<usize>,
     factors: Vec<usize>,
     geometry: Vec<Option<usize>>,
     density: Option<usize>,
@@ -126,27 +129,39 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(path: &Path, table: &Delimited, file: &CampaignFile) -> Result<Self, Error> {
+    fn find(table: &Headed, file: &CampaignFile) -> Result<Self, Error> {
         let names: Vec<&str> = table.header.iter().map(String::as_str).collect();
         let position = |name: &str| table.header.iter().position(|h| h.eq_ignore_ascii_case(name));
         let needed = |name: &str| {
             let problem = || format!("there is no column “{name}”");
-            position(name).ok_or_else(|| unknown(Place::file(path).row(table.header_line), &problem(), name, &names))
+            position(name).ok_or_else(|| unknown(table.place().row(table.header_line), &problem(), name, &names))
         };
         let named = |name: &str, what: &str| {
             let problem = || format!("unknown column: campaign.toml names “{name}” for {what}, but the design table has no such column");
-            position(name).ok_or_else(|| unknown(Place::file(path).row(table.header_line), &problem(), name, &names))
+            position(name).ok_or_else(|| unknown(table.place().row(table.header_line), &problem(), name, &names))
         };
         let of = |quantity: &Quantity, what: &str| match quantity {
             Quantity::Number(_) => Ok(None),
-            Quantity::Column { name, .. } => named(name, what).map(Some),
+            Quantity::Column { name, si_factor } => {
+                let column = named(name, what)?;
+                let unit = table.units[column].as_deref();
+                if unit.and_then(length_unit).is_some_and(|metres| metres != *si_factor) {
+                    let problem = format!("mixed units: column “{name}” has {} in the row of units", unit.unwrap_or_default());
+                    let place = table.place().row(table.header_line);
+                    return Err(Error::input(place, problem, "let its key in campaign.toml end in the same unit"));
+                }
+                Ok(Some(column))
+            }
         };
         let cloth = |quantity: &Option<Quantity>, what: &str| quantity.as_ref().map_or(Ok(None), |q| of(q, what));
         Ok(Columns {
             run: needed("run")?,
             replicate: position("replicate"),
             block: file.block.as_ref().map(|name| named(name, "the block")).transpose()?,
-            profile: needed("profile")?,
+            profile: match file.store {
+                Some(_) => position("profile"),
+                None => Some(needed("profile")?),
+            },
             factors: file.factors.iter().map(|(f, _)| named(&f.name, "a factor")).collect::<Result<_, _>>()?,
             geometry: file.geometry.iter().map(|q| of(q, "the geometry")).collect::<Result<_, _>>()?,
             density: cloth(&file.areal_density, "the areal density")?,
@@ -161,8 +176,7 @@ impl Columns {
 }
 
 struct Reader<'a> {
-    path: &'a Path,
-    table: &'a Delimited,
+    table: &'a Headed,
     file: &'a CampaignFile,
     numbers: Numbers,
     columns: Columns,
@@ -171,14 +185,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn set_aside(&mut self, row: usize, run: Option<&str>, value: &str, problem: String, remedy: &str) {
-        self.quarantine.push(Quarantined {
-            run: run.map(String::from),
-            file: self.path.to_path_buf(),
-            row: Some(self.table.lines[row]),
-            value: shortened(value),
-            problem,
-            remedy: remedy.into(),
-        });
+        self.quarantine.push(self.table.fault(run, Some(self.table.line(row)), value, problem, remedy));
     }
 
     fn run(&mut self, row: usize, id: String) -> Option<Run> {
@@ -186,7 +193,7 @@ impl Reader<'_> {
         let mut levels = Vec::new();
         for (i, (factor, coding)) in self.file.factors.iter().enumerate() {
             let column = self.columns.factors[i];
-            match self.level(factor, *coding, table.cell(row, column)) {
+            match self.level(factor, *coding, row, column) {
                 Ok(level) => levels.push(level),
                 Err((problem, remedy)) => {
                     let problem = format!("column “{}” {problem}", table.header[column]);
@@ -227,13 +234,14 @@ impl Reader<'_> {
         let areal_density = file.areal_density.as_ref().and_then(|q| self.value(row, &id, q, density)).map(KilogramPerSquareMetre);
         let flexural_rigidity = file.flexural_rigidity.as_ref().and_then(|q| self.value(row, &id, q, rigidity)).map(NewtonMetre);
         // Windows spreadsheets write backslashes.
-        let profile = PathBuf::from(table.cell(row, self.columns.profile).replace('\\', "/"));
+        let profile = PathBuf::from(self.columns.profile.map_or("", |column| table.cell(row, column)).replace('\\', "/"));
         Some(Run { id, replicate, block, levels, skirt, fabric: Fabric { areal_density, flexural_rigidity }, profile })
     }
 
     /// The coded level that a cell says: −1, +1, or 0 for the centre.
-    fn level(&self, factor: &Factor, coding: Levels, cell: &str) -> Result<f64, (String, String)> {
-        let value = self.numbers.read(cell).map_err(|problem| (problem, "correct it; the run was set aside".to_owned()))?;
+    fn level(&self, factor: &Factor, coding: Levels, row: usize, column: usize) -> Result<f64, (String, String)> {
+        let value =
+            self.table.number(row, column, self.numbers).map_err(|problem| (problem, "correct it; the run was set aside".to_owned()))?;
         let coded = match coding {
             Levels::Coded => value,
             Levels::Natural => factor.coded(value),
@@ -282,7 +290,7 @@ impl Reader<'_> {
             (Quantity::Column { .. }, None) => None,
             (Quantity::Column { si_factor, .. }, Some(column)) => {
                 let cell = self.table.cell(row, column);
-                let problem = match self.numbers.read(cell) {
+                let problem = match self.table.number(row, column, self.numbers) {
                     Ok(value) if 0.0 < value => return Some(value * si_factor),
                     Ok(_) => "is not positive".to_owned(),
                     Err(problem) => problem,

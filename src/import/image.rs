@@ -9,7 +9,7 @@ use std::path::Path;
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits, Rgb, RgbImage};
 
-use super::delimited::one_line;
+use super::cells::one_line;
 use super::edge::{self, Edge, Grey};
 use super::source;
 use crate::error::{Error, Place};

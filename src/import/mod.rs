@@ -1,17 +1,34 @@
 //! Files → experiment; every input fault is found and located here.
 
+mod archive;
 pub mod campaign;
 mod campaign_file;
+mod cells;
 mod check_table;
+mod column;
+mod columnar;
 mod delimited;
 mod design;
+mod design_sheet;
+pub mod dialect;
+mod dialect_table;
+mod document;
 mod edge;
+mod encoding;
+mod expansion;
+mod header;
 pub mod image;
+mod layout;
 mod number;
 pub mod numbers;
+mod points;
 mod quarantine;
 mod source;
+mod sources;
+mod store;
 pub mod table;
+pub mod tidy;
 mod wishes;
+mod workbook;
 
 pub use campaign::{Imported, load};

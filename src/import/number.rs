@@ -1,5 +1,7 @@
 //! Numbers as people write them: decimal point or comma, settled for a whole file, never guessed cell by cell.
 
+use super::dialect::Decimal;
+
 /// How the numbers of a file are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Numbers {
@@ -14,6 +16,14 @@ pub(super) enum Numbers {
 }
 
 impl Numbers {
+    /// As told.
+    pub(super) fn told(decimal: Decimal) -> Self {
+        match decimal {
+            Decimal::Point => Numbers::Point,
+            Decimal::Comma => Numbers::Comma,
+        }
+    }
+
     /// What the cells say together. Cells that are no numbers say nothing.
     pub(super) fn of<'a>(cells: impl Iterator<Item = &'a str>) -> Self {
         let (mut point, mut comma, mut open) = (false, false, false);
@@ -41,6 +51,12 @@ impl Numbers {
         }
     }
 
+    /// Both readings of the first cell that has two, as `(decimal comma, thousands)`.
+    pub(super) fn readings<'a>(cells: impl Iterator<Item = &'a str>) -> Option<(&'a str, f64, f64)> {
+        let both = |cell: &'a str| Some((cell, read(&bare(cell), ',', '.')?, read(&bare(cell), '.', ',')?));
+        cells.filter(|cell| cell.contains(',')).find_map(both)
+    }
+
     /// The finite number that a cell says, or why it says none, as the end of a sentence that starts with the cell.
     pub(super) fn read(self, cell: &str) -> Result<f64, String> {
         let number = bare(cell);
@@ -66,9 +82,19 @@ impl Numbers {
     }
 }
 
-/// Without surrounding blanks, with a plain minus sign, and without the narrow blanks that separate thousands.
+/// Without surrounding blanks, with a plain minus sign, and without the blanks and apostrophes that separate thousands.
 fn bare(cell: &str) -> String {
-    cell.trim().chars().filter(|c| !matches!(c, '\u{a0}' | '\u{202f}' | '\u{2009}')).map(|c| if c == '−' { '-' } else { c }).collect()
+    let blank = |c: char| matches!(c, ' ' | '\u{a0}' | '\u{202f}' | '\u{2009}' | '\'' | '’');
+    let number: String = cell.trim().chars().map(|c| if c == '−' { '-' } else { c }).collect();
+    let whole = number.find(['.', ',', 'e', 'E']).unwrap_or(number.len());
+    if !number[..whole].contains(blank) {
+        return number;
+    }
+    // `1 234` is one number; `12 34` is two, and stays as it is.
+    let groups: Vec<&str> = number[..whole].trim_start_matches(['+', '-']).split(blank).collect();
+    let digits = |group: &&str| group.bytes().all(|b| b.is_ascii_digit());
+    let grouped = groups.iter().all(digits) && (1..=3).contains(&groups[0].len()) && groups[1..].iter().all(|group| group.len() == 3);
+    if grouped { number.chars().filter(|&c| !blank(c)).collect() } else { number }
 }
 
 /// A finite number with the given decimal mark and separator of thousands.
@@ -106,6 +132,9 @@ mod tests {
         assert_eq!(all(&["-8,353", "−0,121"]), (Numbers::Comma, vec![Ok(-8.353), Ok(-0.121)]));
         assert_eq!(all(&["1,234", "1,234.5"]), (Numbers::Point, vec![Ok(1234.0), Ok(1234.5)]));
         assert_eq!(all(&["1.234,5", "2"]), (Numbers::Comma, vec![Ok(1234.5), Ok(2.0)]));
+        assert_eq!(all(&["1 234,5", "12 345"]), (Numbers::Comma, vec![Ok(1234.5), Ok(12345.0)]));
+        assert_eq!(all(&["1'234.5", "-1\u{a0}234"]), (Numbers::Point, vec![Ok(1234.5), Ok(-1234.0)]));
+        assert_eq!(all(&["12 34"]).1, [Err("is not a number".into())]);
         assert_eq!(all(&["1.5e-3", "+2", ".5"]), (Numbers::Point, vec![Ok(1.5e-3), Ok(2.0), Ok(0.5)]));
     }
 

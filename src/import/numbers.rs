@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::delimited::{self, shortened};
+use super::cells::{Headed, shortened};
+use super::dialect::Dialect;
+use super::document;
 use super::number::Numbers;
 use crate::error::{Error, Place};
 use crate::experiment::Quarantined;
@@ -14,9 +16,11 @@ pub struct Line {
     pub row: usize,
     /// One per column, trimmed.
     pub cells: Vec<String>,
+    /// Which of them the file holds as numbers; there is no doubt about their marks.
+    native: Vec<bool>,
 }
 
-/// A delimited table as it stands in the file.
+/// A table as it stands in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NumberTable {
     pub file: PathBuf,
@@ -37,21 +41,28 @@ pub enum Value {
 }
 
 impl NumberTable {
-    /// Reads a comma-, semicolon- or tab-separated file with a header line; `#` lines and empty lines are passed over.
+    /// Reads a CSV, TSV, XLSX, XLS, ODS, Parquet or Arrow file with a header row; `#` lines and empty lines are passed over. Of a workbook the first
+    /// sheet with two columns or more.
     ///
     /// Decimal points and decimal commas are told apart by all numbers of the table together; a column that could be read both ways is
     /// refused cell by cell.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be read; [`Error::Input`] if it is not UTF-8 text, has no header, or names a column twice.
+    /// [`Error::File`] if the file cannot be read; [`Error::Input`] if it is no table, has no header, or names a column twice.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let table = delimited::read(path)?;
+        let mut document = document::read(path, &Dialect::default(), &|_| false)?;
+        let wide = |table: &Result<Headed, Error>| table.as_ref().is_ok_and(|table| 1 < table.header.len());
+        if let Some(first) = document.tables.iter().position(wide) {
+            document.tables = vec![document.tables.swap_remove(first)];
+        }
+        let table = document.into_one(|_| true)?;
         let all: Vec<usize> = (0..table.header.len()).collect();
         let whole = table.numbers(&all);
         // A column of names with commas in it must not upset the numbers beside it.
         let numbers = all.iter().map(|&c| if whole == Numbers::Contradictory { table.numbers(&[c]) } else { whole }).collect();
         let cells = |row: usize| all.iter().map(|&c| table.cell(row, c).to_owned()).collect();
-        let lines = (0..table.rows()).map(|row| Line { row: table.lines[row], cells: cells(row) }).collect();
+        let native = |row: usize| all.iter().map(|&c| table.rows[row].cells.get(c).is_some_and(|cell| cell.native)).collect();
+        let lines = (0..table.rows.len()).map(|row| Line { row: table.line(row), cells: cells(row), native: native(row) }).collect();
         Ok(NumberTable {
             file: path.to_path_buf(),
             lines,
@@ -88,7 +99,8 @@ impl NumberTable {
             "-" | "−" => return Ok(Value::Number(-1.0)),
             _ => (),
         }
-        self.numbers[column].read(text).map(Value::Number).map_err(|problem| {
+        let numbers = if line.native[column] { Numbers::Point } else { self.numbers[column] };
+        numbers.read(text).map(Value::Number).map_err(|problem| {
             let place = Place::file(&self.file).row(line.row).column(&self.columns[column]);
             let problem = format!("“{}” {problem}", shortened(text));
             Error::input(place, problem, "write a finite number; only a response that does not exist may be left empty")

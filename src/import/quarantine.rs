@@ -13,12 +13,13 @@ pub(super) fn refused(run: Option<String>, file: PathBuf, error: Error) -> Quara
                 Some(column) => format!("column “{column}”: {problem}"),
                 None => problem,
             };
-            Quarantined { run, file: place.file, row: place.row, value: String::new(), problem, remedy }
+            Quarantined { run, file: place.file, sheet: place.sheet, row: place.row, value: String::new(), problem, remedy }
         }
         Error::File { path, source } if source.kind() == std::io::ErrorKind::NotFound => Quarantined {
             run,
             value: path.display().to_string(),
             file: path,
+            sheet: None,
             row: None,
             problem: "there is no such file".into(),
             remedy: "add the file, or correct its name".into(),
@@ -26,6 +27,7 @@ pub(super) fn refused(run: Option<String>, file: PathBuf, error: Error) -> Quara
         other => Quarantined {
             run,
             file,
+            sheet: None,
             row: None,
             value: String::new(),
             problem: other.to_string(),

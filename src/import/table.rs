@@ -1,24 +1,62 @@
-//! Profile tables: columns x and y in a stated unit, and optionally the profile each point belongs to → checked profiles.
+//! Profile tables: a file of any kind, with the points of one or several outlines in any usual layout → checked profiles.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::delimited::{self, Delimited, shortened};
+use super::cells::{Headed, shortened};
+use super::dialect::{Decimal, Dialect, Layout};
+use super::document;
+use super::layout::{self, Miss, Plan, Points};
 use super::number::Numbers;
+use super::points::{self, Reader};
+use super::quarantine::refused;
 use crate::error::{Error, Place};
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
 use crate::experiment::{DrapeProfile, Point};
-use crate::units;
+
+pub use super::document::is_table;
 
 /// One profile of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedProfile {
-    /// As the column `profile` has it; the file's stem where there is none.
+    /// As the table has it; the name of its sheet, or the file's stem, where there is none.
     pub name: String,
+    /// The sheet of a workbook that it came from.
+    pub sheet: Option<String>,
     /// m.
     pub profile: DrapeProfile,
-    /// `rows[i]` is the line of the file (1 = the first) that point `i` of the profile came from.
+    /// `rows[i]` is the line of the file or sheet (1 = the first) that point `i` of the profile came from.
     pub rows: Vec<usize>,
+    /// The points as they stand in the file, m, repeats too; point `i` of the profile is `input[profile.source_index()[i]]`.
+    pub input: Vec<Point>,
+    /// `input_rows[k]` is the line that `input[k]` came from.
+    pub input_rows: Vec<usize>,
+    /// `weights[k]` is the weight of `input[k]`, > 0; empty where the table has none.
+    pub weights: Vec<f64>,
+}
+
+/// How one table of a file was read, for a person to check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    pub sheet: Option<String>,
+    /// `CSV`, `XLSX`, `XLS`, `ODS`, `Parquet` or `Arrow`.
+    pub format: &'static str,
+    /// Of texts.
+    pub encoding: Option<String>,
+    /// Of texts: `comma`, `semicolon`, `tab` or `bar`.
+    pub separator: Option<&'static str>,
+    /// `point` or `comma` where a text says its numbers so; `none` where neither occurs, or the file holds numbers.
+    pub decimal: &'static str,
+    /// Of lengths, as the table spells it.
+    pub unit: String,
+    /// `x, y`, or `degrees`, `radians`, `gon` with their direction.
+    pub coordinates: String,
+    pub layout: Layout,
+    pub header_row: usize,
+    pub profiles: usize,
+    pub points: usize,
+    /// Rows, cells and profiles that were set aside.
+    pub rejected: usize,
 }
 
 /// What a profile table held.
@@ -29,257 +67,227 @@ pub struct Table {
     /// Rows and profiles that were set aside.
     pub quarantine: Vec<Quarantined>,
     pub source: Source,
+    /// One per table of the file that holds profiles.
+    pub readings: Vec<Reading>,
     /// How the file was read: separator, decimal mark, units, columns not used.
     pub notes: Vec<String>,
 }
 
-/// What laboratories call the column that says which profile a point belongs to; the first that is there counts.
-const PROFILE_COLUMNS: [&str; 7] = ["profile", "outline", "run", "specimen", "sample", "name", "id"];
-
-/// Reads a table of profiles: columns `x_cm` and `y_cm` (or mm, m, in; also `x [cm]`, `x, mm`, `X (m)`), optionally `profile` (or `outline`, `run`,
-/// `specimen`, `sample`, `name`, `id`).
-///
-/// Separated by comma, semicolon or tab; decimal point or comma. Rows with a fault are set aside; a profile goes on as long as enough points
-/// remain. Other columns are left alone.
+/// Reads the profiles of a table with nothing told about it: [`read`].
 ///
 /// # Errors
-/// [`Error::File`] if the file cannot be read; [`Error::Input`] if it is no table, if a column is missing or there are several that could be
-/// meant, if x and y are in different units, or if it cannot be told whether commas are decimal.
+/// Those of [`read`].
 pub fn profiles(path: &Path) -> Result<Table, Error> {
-    let table = delimited::read(path)?;
-    let coordinates = Coordinates::find(path, &table)?;
-    let numbers = table.numbers(&[coordinates.x, coordinates.y]);
-    if numbers == Numbers::Undecided {
-        let problem = "every comma in x and y reads both as a decimal comma and as a separator of thousands";
-        return Err(Error::input(Place::file(path), problem, "write decimal points"));
+    read(path, &Dialect::default())
+}
+
+/// Reads the profiles of a CSV, TSV, XLSX, XLS, ODS, Parquet or Arrow file, also `.gz`.
+///
+/// Columns `x_cm` and `y_cm` (or mm, m, in; also `x [cm]`, `x, mm`, `X (m)`, `радиус, см`), or angle and radius, one row per point, optionally with
+/// `profile` (or `outline`, `run`, `specimen`, `sample`, `name`, `id`) and `weight`; or one column per angle and one row per profile; or one row
+/// per angle and one column per profile. Units stand in the name of a column or in a row below. What `dialect` does not tell is found out; see
+/// [`Table::readings`]. Rows with a fault are set aside; a profile goes on as long as enough points remain. Other columns are left alone.
+///
+/// # Errors
+/// [`Error::File`] if the file cannot be read; [`Error::Input`] if it is no table, beyond the bounds, if a column is missing or there are several
+/// that could be meant, if x and y are in different units, or if it cannot be told whether commas are decimal.
+pub fn read(path: &Path, dialect: &Dialect) -> Result<Table, Error> {
+    let document = document::read(path, dialect, &layout::is_header)?;
+    let several = 1 < document.tables.len();
+    let mut table =
+        Table { profiles: Vec::new(), quarantine: Vec::new(), source: document.source, readings: Vec::new(), notes: document.notes };
+    let (mut foreign, mut faults) = (Vec::new(), Vec::new());
+    let mut plans: Vec<(Headed, Plan)> = Vec::new();
+    for headed in document.tables {
+        let planned = headed.map_err(Miss::Fault).and_then(|headed| {
+            let plan = layout::find(&headed, dialect)?;
+            Ok((headed, plan))
+        });
+        match planned {
+            Ok(found) => plans.push(found),
+            Err(Miss::Foreign(error)) => foreign.push(error),
+            Err(Miss::Fault(error)) => faults.push(error),
+        }
     }
-    if numbers == Numbers::Contradictory {
-        return Err(Error::input(Place::file(path), "x and y have decimal points and decimal commas", "use one of them throughout"));
+    let only = plans.len() == 1;
+    for (headed, plan) in plans {
+        let name = fallback_name(path, headed.sheet.as_deref(), only);
+        if let Err(error) = one(&mut table, document.format, headed, plan, &name, dialect) {
+            faults.push(error);
+        }
     }
-    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    let mut quarantine = table.quarantine.clone();
-    let mut groups = Groups::default();
-    for row in 0..table.rows() {
-        let line = table.lines[row];
-        let name = coordinates.profile.map_or(stem.as_str(), |c| table.cell(row, c));
-        let (x, y) = (table.cell(row, coordinates.x), table.cell(row, coordinates.y));
-        if x.is_empty() && y.is_empty() && (coordinates.profile.is_none() || name.is_empty()) {
+    if table.readings.is_empty() {
+        let nothing = || Error::input(Place::file(path), "the workbook is empty", "one row per point of the outline is needed");
+        return Err(faults.into_iter().chain(foreign).next().unwrap_or_else(nothing));
+    }
+    debug_assert!(several || faults.is_empty());
+    for error in foreign {
+        if let Error::Input { place, problem, .. } = error {
+            table.notes.push(format!("sheet “{}” holds no profiles: {problem}", place.sheet.unwrap_or_default()));
+        }
+    }
+    table.quarantine.extend(faults.into_iter().map(|error| refused(None, path.to_path_buf(), error)));
+    Ok(table)
+}
+
+/// The name of a profile that has none of its own: its sheet's, unless that is what the program called it and it is the only one.
+fn fallback_name(path: &Path, sheet: Option<&str>, only: bool) -> String {
+    const UNNAMED: [&str; 6] = ["sheet", "лист", "tabelle", "feuil", "hoja", "foglio"];
+    let stem = || {
+        let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        match path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz")) {
+            true => Path::new(&stem).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or(stem),
+            false => stem,
+        }
+    };
+    let unnamed = |sheet: &str| UNNAMED.contains(&sheet.to_lowercase().trim_end_matches(|c: char| c.is_ascii_digit()).trim_end());
+    match sheet {
+        Some(sheet) if !(only && unnamed(sheet)) => sheet.to_owned(),
+        _ => stem(),
+    }
+}
+
+/// Adds the profiles of one table.
+fn one(to: &mut Table, format: &'static str, table: Headed, mut plan: Plan, name: &str, dialect: &Dialect) -> Result<(), Error> {
+    let columns = plan.numeric();
+    let numbers = settle(&table, &columns, dialect.decimal)?;
+    if plan.angle_unit.is_none()
+        && let Points::Polar { angle, .. } | Points::Down { angle, .. } = plan.points
+    {
+        let values: Vec<f64> = (0..table.rows.len()).filter_map(|row| table.number(row, angle, numbers).ok()).collect();
+        let refuse = |problem: String| Error::input(table.place().row(table.header_line), problem, layout::UNTOLD_ANGLE);
+        plan.angle_unit = Some(layout::by_range(&values).map_err(refuse)?);
+    }
+    let Reader { groups, mut quarantine, empty, .. } = Reader::read(&table, &plan, numbers, name);
+    if groups.is_empty() {
+        return Err(Error::input(table.place(), "the table has no rows", "one row per point of the outline is needed"));
+    }
+    let before = to.profiles.len();
+    for points::Group { name, points, lines, weights } in groups {
+        let said = format!("{} points", points.len());
+        if let Some(other) = to.profiles[..before].iter().find(|other| other.name == name) {
+            let problem = format!("there is a profile of this name on the sheet “{}”", other.sheet.clone().unwrap_or_default());
+            quarantine.push(table.fault(Some(&name), lines.first().copied(), &said, problem, "give every profile its own name"));
             continue;
         }
-        let mut fault = |value: &str, problem: String, remedy: &str| {
-            quarantine.push(Quarantined {
-                run: (!name.is_empty()).then(|| name.to_owned()),
-                file: path.to_path_buf(),
-                row: Some(line),
-                value: shortened(value),
-                problem,
-                remedy: remedy.into(),
-            });
-        };
-        if name.is_empty() {
-            fault("", format!("column “{}” is empty", coordinates.profile_name), "name the profile that this point belongs to");
-            continue;
-        }
-        let group = groups.of(name);
-        let mut point = [0.0; 2];
-        let mut sound = true;
-        for (to, (cell, column)) in point.iter_mut().zip([(x, coordinates.x), (y, coordinates.y)]) {
-            match numbers.read(cell) {
-                Ok(value) => *to = value * coordinates.metres,
-                Err(problem) => {
-                    sound = false;
-                    fault(
-                        cell,
-                        format!("column “{}” {problem}", table.header[column]),
-                        "the point was set aside; correct it or delete the row",
-                    );
-                }
-            }
-        }
-        if sound {
-            group.points.push(Point::new(point[0], point[1]));
-            group.lines.push(line);
-        }
-    }
-    if groups.list.is_empty() {
-        return Err(Error::input(Place::file(path), "the table has no rows", "one row per point of the outline is needed"));
-    }
-    let mut profiles = Vec::new();
-    for Group { name, points, lines } in groups.list {
         match DrapeProfile::new(&points) {
             Ok(profile) => {
                 let rows = profile.source_index().iter().map(|&i| lines[i]).collect();
-                profiles.push(NamedProfile { name, profile, rows });
+                to.profiles.push(NamedProfile {
+                    name,
+                    sheet: table.sheet.clone(),
+                    profile,
+                    rows,
+                    input: points,
+                    input_rows: lines,
+                    weights,
+                });
             }
-            Err(error) => quarantine.push(refused(name, path.to_path_buf(), &lines, &error)),
+            Err(error) => {
+                quarantine.push(table.fault(Some(&name), lines.first().copied(), &said, error.to_string(), "digitize the whole outline"));
+            }
         }
     }
     quarantine.sort_by_key(|q| q.row);
-    let notes = notes(&table, &coordinates, numbers);
-    Ok(Table { profiles, quarantine, source: table.source, notes })
+    let found = &to.profiles[before..];
+    let reading = Reading {
+        sheet: table.sheet.clone(),
+        format,
+        encoding: table.encoding.clone(),
+        separator: table.separator.map(separator_name),
+        decimal: decimal_name(&table, &columns, numbers),
+        unit: plan.unit.clone(),
+        coordinates: plan.coordinates(),
+        layout: plan.layout(),
+        header_row: table.header_line,
+        profiles: found.len(),
+        points: found.iter().map(|p| p.input.len()).sum(),
+        rejected: quarantine.len(),
+    };
+    to.notes.extend(notes(&table, &plan, &reading, empty));
+    to.readings.push(reading);
+    to.quarantine.extend(quarantine);
+    Ok(())
 }
 
-fn refused(name: String, file: PathBuf, lines: &[usize], error: &Error) -> Quarantined {
-    Quarantined {
-        run: Some(name),
-        file,
-        row: lines.first().copied(),
-        value: format!("{} points", lines.len()),
-        problem: error.to_string(),
-        remedy: "digitize the whole outline".into(),
+/// How the numbers of a table are written: as told, or as all of them together say.
+fn settle(table: &Headed, columns: &[usize], told: Option<Decimal>) -> Result<Numbers, Error> {
+    if let Some(decimal) = told {
+        return Ok(Numbers::told(decimal));
+    }
+    match table.numbers(columns) {
+        Numbers::Undecided => {
+            let example = Numbers::readings(table.texts(columns));
+            let example = example.map(|(cell, comma, thousands)| format!("; “{}” is {comma} or {thousands}", shortened(cell)));
+            let problem = "every comma in the coordinates reads both as a decimal comma and as a separator of thousands";
+            Err(Error::input(table.place(), format!("{problem}{}", example.unwrap_or_default()), UNTOLD_DECIMAL))
+        }
+        Numbers::Contradictory => {
+            let problem = "the coordinates have decimal points and decimal commas";
+            Err(Error::input(table.place(), problem, "use one of them throughout"))
+        }
+        settled => Ok(settled),
     }
 }
 
-fn notes(table: &Delimited, coordinates: &Coordinates, numbers: Numbers) -> Vec<String> {
-    let separator = match table.separator {
+const UNTOLD_DECIMAL: &str = "write decimal points; or tell it: decimal = \",\" (or \".\") in [tables] of campaign.toml, --decimal";
+
+fn separator_name(separator: char) -> &'static str {
+    match separator {
         '\t' => "tab",
         ';' => "semicolon",
+        '|' => "bar",
         _ => "comma",
+    }
+}
+
+fn decimal_name(table: &Headed, columns: &[usize], numbers: Numbers) -> &'static str {
+    if !table.texts(columns).any(|cell| cell.contains(['.', ','])) {
+        return "none";
+    }
+    if numbers == Numbers::Comma { "comma" } else { "point" }
+}
+
+fn notes(table: &Headed, plan: &Plan, reading: &Reading, empty: usize) -> Vec<String> {
+    let on = table.sheet.as_ref().map(|sheet| format!("sheet “{sheet}”: ")).unwrap_or_default();
+    let column = |c: usize| format!("“{}”", shortened(&table.header[c]));
+    let columns = match &plan.points {
+        Points::Cartesian { x, y } => format!("columns {} and {} in {}", column(*x), column(*y), plan.unit),
+        Points::Polar { angle, radius } => {
+            format!("columns {} in {} and {} in {}", column(*angle), plan.coordinates(), column(*radius), plan.unit)
+        }
+        Points::Across(angles) => {
+            format!("{} columns named after angles in {}, one row per profile, in {}", angles.len(), plan.coordinates(), plan.unit)
+        }
+        Points::Down { angle, profiles } => {
+            format!("column {} in {}, one column per profile ({}), in {}", column(*angle), plan.coordinates(), profiles.len(), plan.unit)
+        }
     };
-    let mark = if numbers == Numbers::Comma { "comma" } else { "point" };
-    let (x, y) = (&table.header[coordinates.x], &table.header[coordinates.y]);
-    let mut notes = vec![format!("columns “{x}” and “{y}” in {}, separator {separator}, decimal {mark}", coordinates.unit)];
-    let used = |c: usize| c == coordinates.x || c == coordinates.y || Some(c) == coordinates.profile;
-    let unused: Vec<String> = (0..table.header.len()).filter(|&c| !used(c)).map(|c| format!("“{}”", table.header[c])).collect();
+    let mut how = columns;
+    if let Some(encoding) = reading.encoding.as_ref().filter(|name| *name != "UTF-8") {
+        how.push_str(&format!(", {encoding}"));
+    }
+    if let Some(separator) = reading.separator {
+        how.push_str(&format!(", separator {separator}"));
+    }
+    if reading.decimal != "none" {
+        how.push_str(&format!(", decimal {}", reading.decimal));
+    }
+    let mut notes = vec![format!("{on}{how}")];
+    if let Some(weight) = plan.weight {
+        notes.push(format!("{on}weights of the points from column {}", column(weight)));
+    }
+    let used = plan.used();
+    const MOST: usize = 20;
+    let unused: Vec<usize> = (0..table.header.len()).filter(|c| !used.contains(c) && !table.header[*c].is_empty()).collect();
     if !unused.is_empty() {
-        notes.push(format!("not used: {}", unused.join(", ")));
+        let more = if MOST < unused.len() { format!(" and {} more", unused.len() - MOST) } else { String::new() };
+        let names: Vec<String> = unused.iter().take(MOST).map(|&c| column(c)).collect();
+        notes.push(format!("{on}not used: {}{more}", names.join(", ")));
     }
+    if 0 < empty {
+        notes.push(format!("{on}{empty} empty cell(s) in the columns of radii hold no point"));
+    }
+    notes.extend(table.notes.iter().map(|note| format!("{on}{note}")));
     notes
-}
-
-/// Points of one profile while the table is read.
-struct Group {
-    name: String,
-    points: Vec<Point>,
-    lines: Vec<usize>,
-}
-
-/// Profiles in order of first appearance.
-#[derive(Default)]
-struct Groups {
-    list: Vec<Group>,
-    index: std::collections::BTreeMap<String, usize>,
-}
-
-impl Groups {
-    fn of(&mut self, name: &str) -> &mut Group {
-        let at = match self.index.get(name) {
-            Some(&at) => at,
-            None => {
-                self.list.push(Group { name: name.to_owned(), points: Vec::new(), lines: Vec::new() });
-                self.index.insert(name.to_owned(), self.list.len() - 1);
-                self.list.len() - 1
-            }
-        };
-        &mut self.list[at]
-    }
-}
-
-/// Which columns hold what.
-struct Coordinates {
-    x: usize,
-    y: usize,
-    profile: Option<usize>,
-    profile_name: String,
-    unit: String,
-    /// Metres per unit.
-    metres: f64,
-}
-
-impl Coordinates {
-    fn find(path: &Path, table: &Delimited) -> Result<Self, Error> {
-        let header = &table.header;
-        let refuse = |problem: String, remedy: &str| Error::input(Place::file(path).row(table.header_line), problem, remedy);
-        let there = || {
-            // A file that is no table has a first line of prose.
-            const MOST: usize = 12;
-            let names: Vec<String> = header.iter().take(MOST).map(|name| format!("“{}”", shortened(name))).collect();
-            names.join(", ") + if MOST < header.len() { ", …" } else { "" }
-        };
-        let mut found: Vec<(usize, String)> = Vec::new();
-        for axis in ["x", "y"] {
-            let columns: Vec<(usize, Option<String>)> =
-                header.iter().enumerate().filter_map(|(c, name)| axis_unit(name, axis).map(|unit| (c, unit))).collect();
-            match &columns[..] {
-                [] => {
-                    let problem = format!("there is no column for {axis}; the columns are {}", there());
-                    return Err(refuse(problem, "name the coordinates x_cm and y_cm (or _mm, _m, _in)"));
-                }
-                [(_, None)] => {
-                    let problem = format!("column “{axis}” has no unit");
-                    return Err(refuse(problem, "put it into the name: x_cm, y_cm (or _mm, _m, _in)"));
-                }
-                [(c, Some(unit))] => {
-                    if length_unit(unit).is_none() {
-                        let problem = format!("column “{}” is in “{unit}”, which is no unit of length known here", header[*c]);
-                        return Err(refuse(problem, "use cm, mm, m, um or in"));
-                    }
-                    found.push((*c, unit.clone()));
-                }
-                several => {
-                    let names: Vec<String> = several.iter().map(|(c, _)| format!("“{}”", header[*c])).collect();
-                    return Err(refuse(
-                        format!("several columns could be {axis}: {}", names.join(", ")),
-                        "keep one x and one y, both in one unit",
-                    ));
-                }
-            }
-        }
-        let [(x, x_unit), (y, y_unit)] = &found[..] else {
-            return Err(refuse("there are no columns x and y".into(), "name them x_cm and y_cm"));
-        };
-        if length_unit(x_unit) != length_unit(y_unit) {
-            let problem = format!("mixed units: column “{}” is in {x_unit}, column “{}” in {y_unit}", header[*x], header[*y]);
-            return Err(refuse(problem, "give both coordinates in one unit"));
-        }
-        let named = |word: &str| header.iter().position(|name| name.trim().eq_ignore_ascii_case(word));
-        let profile = PROFILE_COLUMNS.iter().find_map(|word| named(word));
-        Ok(Coordinates {
-            x: *x,
-            y: *y,
-            profile,
-            profile_name: profile.map(|c| header[c].clone()).unwrap_or_default(),
-            unit: x_unit.clone(),
-            metres: length_unit(x_unit).unwrap_or(1.0),
-        })
-    }
-}
-
-/// `Some(unit)` if `name` is a column for `axis`: `x_cm`, `X [cm]`, `x, cm`, `x (cm)`, `x/cm`; the unit is `None` for a bare `x`.
-fn axis_unit(name: &str, axis: &str) -> Option<Option<String>> {
-    let name = name.to_lowercase().replace(['µ', 'μ'], "u");
-    let tokens: Vec<&str> = name.split(|c: char| !(c.is_alphanumeric() || c == '"')).filter(|t| !t.is_empty()).collect();
-    match tokens[..] {
-        [first] if first == axis => Some(None),
-        [first, unit] if first == axis => Some(Some(unit.to_owned())),
-        _ => None,
-    }
-}
-
-/// Metres per unit of length as people spell it.
-pub(super) fn length_unit(unit: &str) -> Option<f64> {
-    let suffix = match unit {
-        "inch" | "inches" | "\"" => "in",
-        "meter" | "metre" | "meters" | "metres" => "m",
-        known @ ("um" | "mm" | "cm" | "m" | "in") => known,
-        _ => return None,
-    };
-    units::factor(suffix)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spellings_of_a_column_and_its_unit_are_understood() {
-        for name in ["x_cm", "X_CM", "x [cm]", "x, cm", "x (cm)", "x/cm", "x cm", "x.cm"] {
-            assert_eq!(axis_unit(name, "x"), Some(Some("cm".into())), "{name}");
-        }
-        assert_eq!(axis_unit("x", "x"), Some(None));
-        for name in ["xx_cm", "z_cm", "max x cm", "y_cm", "run"] {
-            assert_eq!(axis_unit(name, "x"), None, "{name}");
-        }
-        assert_eq!(axis_unit("x, µm", "x").flatten().as_deref().and_then(length_unit), Some(1e-6));
-    }
 }

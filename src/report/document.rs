@@ -65,7 +65,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "fidelity": fidelity,
         "quarantine": study.quarantine.iter().map(|q| json!([
             q.run.clone().unwrap_or_default(),
-            q.file.display().to_string(),
+            q.sheet.iter().fold(q.file.display().to_string(), |file, sheet| format!("{file}, sheet “{sheet}”")),
             q.row.map(|r| r.to_string()).unwrap_or_default(),
             q.value,
             q.problem,

@@ -66,6 +66,7 @@ fn analysed() -> CampaignStudy {
         profiles,
         sources: (1..=40).map(source).collect(),
         quarantine: vec![Quarantined {
+            sheet: None,
             run: Some("17".into()),
             file: "data/profiles/run_17.csv".into(),
             row: Some(4),

@@ -223,11 +223,12 @@ fn fit_notes(fit: &Result<HemFit, String>) -> Vec<String> {
 
 /// `quarantine.csv`: what was set aside, where it stood, and what would be right.
 pub fn quarantine(set_aside: &[Quarantined]) -> Table {
-    let mut table = Table::new(&["run", "file", "row", "value", "problem", "remedy"]);
+    let mut table = Table::new(&["run", "file", "sheet", "row", "value", "problem", "remedy"]);
     for item in set_aside {
         table.push(vec![
             item.run.clone().into(),
             item.file.display().to_string().into(),
+            item.sheet.clone().into(),
             item.row.into(),
             item.value.as_str().into(),
             item.problem.as_str().into(),
