@@ -4,6 +4,7 @@ pub mod check;
 pub mod fit;
 pub mod init;
 pub mod paper;
+mod pictures;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -15,7 +16,7 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
-use crate::experiment::campaign::{Folds, HemLength, Shade};
+use crate::experiment::campaign::{Folds, HemLength};
 use crate::import::Imported;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::CENTIMETRE;
@@ -74,7 +75,7 @@ fn progress(runs: usize, message: &'static str) -> ProgressBar {
 /// Says what was set aside on reading, one sentence each, and analyses the rest; the progress bar goes on to what comes next.
 fn analysed(imported: Imported) -> (CampaignStudy, ProgressBar) {
     imported.quarantine.iter().for_each(|row| eprintln!("set aside: {row}"));
-    let Imported { campaign, profiles, quarantine, sources, notes } = imported;
+    let Imported { campaign, profiles, quarantine, sources, notes, .. } = imported;
     let bar = progress(campaign.design.runs.len(), "Fitting");
     let study = analyse(Measured { campaign, profiles, quarantine, sources, notes }, &|| bar.inc(1));
     (study, bar)
@@ -112,15 +113,5 @@ fn hem_length(text: &str) -> Result<HemLength, String> {
             Ok(length) if length.is_finite() && 0.0 < length => Ok(HemLength::Held(length * CENTIMETRE)),
             _ => Err(format!("“{text}” is no hem length: use auto, free, or a length in cm such as 163.4")),
         },
-    }
-}
-
-/// `auto`, `dark` or `light`.
-fn shade(text: &str) -> Result<Shade, String> {
-    match text {
-        "auto" => Ok(Shade::Auto),
-        "dark" => Ok(Shade::Dark),
-        "light" => Ok(Shade::Light),
-        _ => Err(format!("“{text}” is no shade: use auto, dark or light")),
     }
 }

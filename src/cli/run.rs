@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use rayon::prelude::*;
 
+use crate::cli::pictures::write_overlay;
 use crate::cli::print;
 use crate::error::Error;
 use crate::import;
+use crate::import::image::Silhouette;
 use crate::report::number::fixed;
 use crate::report::{self, words};
 use crate::statistics::box_wilson::Analysis;
@@ -22,7 +25,7 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, summary.json, figures/*.png, and as CSV: fits, candidates, predictions, points, quarantine; regression, weighted,\n\
+Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV: fits, candidates, predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
 fidelities, fidelity_summary. docs/results.md describes every column.\n\n\
 Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]
@@ -52,12 +55,14 @@ impl Default for Run {
 /// # Errors
 /// Those of [`import::load`] and [`report::write`].
 pub fn run(args: &Run) -> Result<ExitCode, Error> {
-    let imported = import::load(&args.campaign)?;
+    let mut imported = import::load(&args.campaign)?;
+    let silhouettes = std::mem::take(&mut imported.silhouettes);
     let (study, bar) = super::analysed(imported);
     bar.set_message("Writing the report");
     let provenance = report::Provenance { settings: settings(&study), date: report::Date::from_environment() };
     let options = report::Options { provenance, pictures: !args.no_pictures };
-    let written = report::write(&study, &args.out, &options)?;
+    let mut written = report::write(&study, &args.out, &options)?;
+    written.extend(overlays(&silhouettes, &args.out)?);
     bar.finish_and_clear();
     if args.json {
         let summary = args.out.join("summary.json");
@@ -67,6 +72,15 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
     }
     let whole = study.quarantine.is_empty() && study.runs.iter().all(|run| run.fit.is_ok());
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Every picture with its traced outline laid over it, in `overlays/`.
+fn overlays(silhouettes: &[(String, Silhouette)], out: &Path) -> Result<Vec<PathBuf>, Error> {
+    let folder = out.join("overlays");
+    let draw = |(id, silhouette): &(String, Silhouette)| {
+        write_overlay(&format!("run {id}"), &format!("run_{}", words::file_stem(id)), silhouette, &folder)
+    };
+    silhouettes.par_iter().map(draw).collect()
 }
 
 /// What was asked, in words, for the provenance page.

@@ -14,7 +14,7 @@ use super::table::length_unit;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
-use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES, Wish};
+use crate::experiment::campaign::{CameraHeight, Folds, HemLength, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish};
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
@@ -154,8 +154,15 @@ enum HemLengthGiven {
 #[serde(deny_unknown_fields)]
 struct Profiles {
     scale_mm_per_px: Option<Spanned<f64>>,
+    disc_mm: Option<Spanned<f64>>,
+    bar_mm: Option<Spanned<f64>>,
+    checkerboard_mm: Option<Spanned<f64>>,
+    camera_height_mm: Option<Spanned<f64>>,
+    hem_height_mm: Option<Spanned<f64>>,
     #[serde(default)]
     object: Shade,
+    #[serde(default)]
+    tone: Tone,
 }
 
 /// Reads and checks `campaign.toml`.
@@ -280,14 +287,49 @@ impl Reader<'_> {
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
             foundation_modulus: self
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,
-            pictures: match profiles.scale_mm_per_px {
-                None => None,
-                scale => {
-                    let millimetres = self.number(&scale, 0.0, "scale_mm_per_px", "positive", |s| 0.0 < s)?;
-                    Some(Pictures { pixel: Metre(millimetres * units::MILLIMETRE), object: profiles.object })
-                }
-            },
+            pictures: self.pictures(&profiles)?,
         })
+    }
+
+    /// What `[profiles]` says about pictures; `None` where it gives no scale.
+    fn pictures(&self, profiles: &Profiles) -> Result<Option<Pictures>, Error> {
+        type Scale = fn(Metre) -> PictureScale;
+        let scales: [(&str, &Option<Spanned<f64>>, Scale); 4] = [
+            ("scale_mm_per_px", &profiles.scale_mm_per_px, PictureScale::Pixel),
+            ("disc_mm", &profiles.disc_mm, PictureScale::Disc),
+            ("bar_mm", &profiles.bar_mm, PictureScale::Bar),
+            ("checkerboard_mm", &profiles.checkerboard_mm, PictureScale::Checkerboard),
+        ];
+        let mut given = None;
+        for (key, value, scale) in scales {
+            let Some(spanned) = value else { continue };
+            let length = Metre(self.number(value, 0.0, key, "positive", |s| 0.0 < s)? * units::MILLIMETRE);
+            if let Some((first, _)) = given.replace((key, scale(length))) {
+                let problem = format!("pictures have two scales, “{first}” and “{key}”");
+                return Err(Error::input(self.place(&spanned.span()), problem, "keep one of them"));
+            }
+        }
+        let height = match (&profiles.camera_height_mm, &profiles.hem_height_mm) {
+            (None, None) => None,
+            (Some(camera), Some(_)) => {
+                let above = self.number(&profiles.camera_height_mm, 0.0, "camera_height_mm", "positive", |h| 0.0 < h)?;
+                let hem = self.number(&profiles.hem_height_mm, 0.0, "hem_height_mm", "less than camera_height_mm", |h| h < above)?;
+                if given.is_none() {
+                    let problem = "camera_height_mm corrects a scale, and there is none";
+                    return Err(Error::input(
+                        self.place(&camera.span()),
+                        problem,
+                        "add scale_mm_per_px, disc_mm, bar_mm or checkerboard_mm",
+                    ));
+                }
+                Some(CameraHeight { camera: Metre(above * units::MILLIMETRE), hem: Metre(hem * units::MILLIMETRE) })
+            }
+            (Some(one), None) | (None, Some(one)) => {
+                let problem = "one of camera_height_mm and hem_height_mm is missing";
+                return Err(Error::input(self.place(&one.span()), problem, "give both, from the plane of the scale upwards"));
+            }
+        };
+        Ok(given.map(|(_, scale)| Pictures { scale, object: profiles.object, tone: profiles.tone, height }))
     }
 
     /// A number that the file gives, or `default`.

@@ -5,7 +5,6 @@ mod campaign_file;
 mod check_table;
 mod delimited;
 mod design;
-mod edge;
 pub mod image;
 mod number;
 pub mod numbers;
