@@ -125,7 +125,7 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         if let Some(folder) = &args.overlay {
             // With its extension: a.png and a.jpg are two pictures.
             let whole = file.file_name().map_or_else(|| name.clone(), |whole| whole.to_string_lossy().into_owned());
-            let drawing = write_overlay(&name, &words::file_stem(&whole), &silhouette, folder)?;
+            let drawing = write_overlay(&name, &words::file_stem(&whole.replace('.', "_")), &silhouette, folder)?;
             eprintln!("drawn: {}", drawing.display());
         }
         return Ok((vec![(name, silhouette.profile)], vec![]));

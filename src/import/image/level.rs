@@ -38,7 +38,7 @@ pub(super) const LEAST_SEPARATION: f64 = 0.8;
 /// Unevenness of a level, of the contrast, from which it is followed.
 const UNEVEN: f64 = 0.05;
 /// Samples along the longer side from which surfaces are fitted.
-const SAMPLES: usize = 256;
+const SAMPLES: usize = 128;
 
 /// A polynomial of x and y over the picture, each scaled to −1…1, kept between two bounds.
 #[derive(Clone)]

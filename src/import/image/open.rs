@@ -3,6 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use image::error::ImageFormatHint;
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageReader, Limits, Luma, RgbImage, imageops};
 
@@ -109,6 +110,9 @@ fn decode(path: &Path, bytes: Vec<u8>) -> Result<Decoded, Error> {
             "its header asks for more pixels than any photograph has".into(),
             "pictures of at most 20 000 pixels a side, 100 megapixels in all, are read; check the file",
         ),
+        ImageError::Unsupported(what) if matches!(what.format_hint(), ImageFormatHint::Unknown) => {
+            refuse("the picture cannot be read (it begins like none that is known)".into(), AGAIN)
+        }
         ImageError::Unsupported(what) => {
             refuse(format!("this kind of picture is not read ({})", one_line(&what.to_string())), "save it as PNG or JPEG, grey or RGB")
         }
@@ -185,7 +189,7 @@ fn foreign(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Width and height in the header of a PNG or BMP, whatever their size: the decoders only say that they are too large.
+/// Width and height in the header of a PNG, BMP or TIFF, whatever their size: the decoders only say that they are too large.
 fn header_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok();
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.get(12..16) == Some(b"IHDR") {
@@ -194,7 +198,16 @@ fn header_size(bytes: &[u8]) -> Option<[u32; 2]> {
     if bytes.starts_with(b"BM") && 40 <= u32::from_le_bytes(word(14)?) {
         return Some([i32::from_le_bytes(word(18)?).unsigned_abs(), i32::from_le_bytes(word(22)?).unsigned_abs()]);
     }
-    None
+    let little = little_endian(bytes)?;
+    let number = |at: usize, length: usize| number(bytes, little, at, length);
+    let first = number(4, 4)?;
+    let entries: Vec<usize> = (0..number(first, 2)?).map(|k| first + 2 + 12 * k).collect();
+    // ImageWidth and ImageLength, each SHORT (3) or LONG (4).
+    let side = |tag: usize| {
+        let at = *entries.iter().find(|&&at| number(at, 2) == Some(tag))?;
+        u32::try_from(number(at + 8, if number(at + 2, 2)? == 3 { 2 } else { 4 })?).ok()
+    };
+    Some([side(256)?, side(257)?])
 }
 
 /// Whether a JPEG goes on to its end marker. The decoder fills what is missing with grey, which has an outline too.

@@ -54,7 +54,7 @@ pub fn overlay(silhouette: &Silhouette, caption: Option<&[u8]>) -> Result<Vec<u8
     let below = caption.as_ref().map_or(0, RgbImage::height);
     // Paler than the photograph, so that the lines stand out on black too.
     let mut canvas = RgbImage::from_fn(drawn_width, drawn_height + below, |x, y| {
-        if y < drawn_height { Rgb(photograph.get_pixel(x, y).0.map(|c| 56 + c / 32 * 25)) } else { Rgb([255; 3]) }
+        if y < drawn_height { Rgb(photograph.get_pixel(x, y).0.map(|c| 56 + (u16::from(c) * 25 / 32) as u8)) } else { Rgb([255; 3]) }
     });
     let scale = [f64::from(drawn_width) / f64::from(width.max(1)), f64::from(drawn_height) / f64::from(height.max(1))];
     for of in [Marked::Other, Marked::Hole, Marked::Scale, Marked::Outline] {
