@@ -374,8 +374,10 @@ fn real_silhouettes_have_sane_free_outlines() {
     let mut files: Vec<_> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
     files.sort();
     let pictures = hemline::experiment::campaign::Pictures {
-        pixel: hemline::units::Metre(1.383 * hemline::units::MILLIMETRE),
+        scale: hemline::experiment::campaign::PictureScale::Pixel(hemline::units::Metre(1.383 * hemline::units::MILLIMETRE)),
         object: hemline::experiment::campaign::Shade::Dark,
+        tone: hemline::experiment::campaign::Tone::Auto,
+        height: None,
     };
     let (mut sane, mut fitted) = (0, 0);
     // Every fourth of forty: tracing them takes longer than all else here.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hemline::experiment::campaign::{Folds, HemLength, Pictures, Shade, USUAL_RESPONSES};
+use hemline::experiment::campaign::{Folds, HemLength, PictureScale, Pictures, Shade, USUAL_RESPONSES};
 use hemline::experiment::{Apparatus, Point};
 use hemline::import::{self, Imported, image, table};
 use hemline::model::hem::{Hem, Placement};
@@ -164,7 +164,10 @@ mod campaigns {
         assert_eq!((campaign.alpha, campaign.gravity, campaign.foundation_modulus), (0.01, 9.80665, 20.0));
         assert_eq!(campaign.folds, Folds::Among { from: 3, to: 12 });
         assert_eq!(campaign.hem_length, HemLength::Held(125.5 * 0.01));
-        assert_eq!(campaign.pictures, Some(Pictures { pixel: Metre(1.383 * 1e-3), object: Shade::Dark }));
+        assert_eq!(
+            campaign.pictures,
+            Some(Pictures { object: Shade::Dark, ..Pictures::of_scale(PictureScale::Pixel(Metre(1.383 * 1e-3))) })
+        );
     }
 
     #[test]
@@ -374,7 +377,8 @@ mod campaigns {
         let mut count = 0;
         for file in files.map(|f| f.expect("readable").path()).filter(|f| image::is_picture(f)) {
             let silhouette =
-                image::outline(&file, &Pictures { pixel: Metre(1.383e-3), object: Shade::Dark }).unwrap_or_else(|e| panic!("{e}"));
+                image::outline(&file, &Pictures { object: Shade::Dark, ..Pictures::of_scale(PictureScale::Pixel(Metre(1.383e-3))) })
+                    .unwrap_or_else(|e| panic!("{e}"));
             let area: f64 = area(silhouette.profile.points());
             // Between the support disc (18 cm) and the flat specimen (30 cm), with 3 % for the scale, which is stated as about.
             assert!((0.0254 * 0.97..0.0707 * 1.03).contains(&area), "{}: {area} m²", file.display());
@@ -576,158 +580,6 @@ fn coverage(hem: &Hem, n: usize) -> Vec<f64> {
     covered
 }
 
-mod pictures {
-    use super::*;
-
-    const LEANING: Hem = Hem { p: 0.125, q: 0.035, s: 0.02, folds: 7 };
-
-    /// Root mean square distance of the traced outline from the rendered curve, and the mean signed one (positive outside), px.
-    fn misses(hem: &Hem, side: u32, file: &Path, object: Shade) -> (f64, f64) {
-        let pixel = 0.4 / f64::from(side);
-        let traced = image::outline(file, &Pictures { pixel: Metre(pixel), object }).unwrap_or_else(|e| panic!("{e}"));
-        // Points a sixth of a pixel apart: the chord between two of them stays within 1e-4 px of the curve.
-        let curve = hem.outline(&placement(), 10_000);
-        let n = curve.len();
-        let signed: Vec<f64> = traced
-            .profile
-            .points()
-            .iter()
-            .map(|p| {
-                let nearest = (0..n).min_by(|&i, &j| p.distance(curve[i]).total_cmp(&p.distance(curve[j]))).expect("points");
-                let (a, b) = (curve[(nearest + n - 1) % n], curve[(nearest + 1) % n]);
-                // Counter-clockwise: the outward normal is the tangent turned to the right.
-                ((p.x - curve[nearest].x) * (b.y - a.y) - (p.y - curve[nearest].y) * (b.x - a.x)) / a.distance(b) / pixel
-            })
-            .collect();
-        let count = signed.len() as f64;
-        ((signed.iter().map(|d| d * d).sum::<f64>() / count).sqrt(), signed.iter().sum::<f64>() / count)
-    }
-
-    fn saved(folder: &TempDir, picture: &::image::GrayImage, jpeg: Option<u8>) -> PathBuf {
-        match jpeg {
-            None => {
-                let path = folder.path().join("drape.png");
-                picture.save(&path).expect("writable");
-                path
-            }
-            Some(quality) => {
-                let mut bytes = Vec::new();
-                ::image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality).encode_image(picture).expect("encodes");
-                write(folder, "drape.jpg", bytes)
-            }
-        }
-    }
-
-    #[test]
-    fn outlines_at_512_pixels_are_traced_to_a_twentieth_of_a_pixel() {
-        let folder = TempDir::new().expect("a folder");
-        for hem in [HEM, LEANING, Hem { q: 0.0, s: 0.0, ..HEM }] {
-            for (blur, light, jpeg) in
-                [(0.0, false, None), (0.7, false, None), (1.5, true, None), (0.7, false, Some(90)), (1.0, true, Some(80))]
-            {
-                let file = saved(&folder, &silhouette(&hem, 512, blur, light), jpeg);
-                let (rms, mean) = misses(&hem, 512, &file, Shade::Auto);
-                println!("512 px, blur {blur}, light {light}, JPEG {jpeg:?}: rms {rms:.4}, mean {mean:+.4} px");
-                assert!(rms <= 0.05, "{hem:?} blur {blur} light {light} JPEG {jpeg:?}: {rms} px");
-            }
-        }
-    }
-
-    #[test]
-    fn outlines_at_256_pixels_in_jpeg_are_traced_to_a_seventh_of_a_pixel() {
-        let folder = TempDir::new().expect("a folder");
-        for hem in [HEM, LEANING, Hem { q: 0.0, s: 0.0, ..HEM }] {
-            for (blur, quality) in [(0.0, 95), (0.0, 75), (0.7, 75), (1.0, 50), (1.5, 85)] {
-                let file = saved(&folder, &silhouette(&hem, 256, blur, false), Some(quality));
-                let (rms, mean) = misses(&hem, 256, &file, Shade::Dark);
-                println!("256 px, blur {blur}, JPEG {quality}: rms {rms:.4}, mean {mean:+.4} px");
-                assert!(rms <= 0.15, "{hem:?} blur {blur} JPEG {quality}: {rms} px");
-            }
-        }
-    }
-
-    #[test]
-    fn uneven_lighting_moves_the_edge_by_less_than_a_tenth_of_a_pixel() {
-        let folder = TempDir::new().expect("a folder");
-        // The background falls from 230 to 130 across the picture: a threshold for all of it would be off by a quarter of the ramp.
-        let picture = shaded(&HEM, 512, 0.7, |covered, x, _| (230.0 - 100.0 * x) * (1.0 - covered) + 25.0 * covered);
-        let (rms, _) = misses(&HEM, 512, &saved(&folder, &picture, None), Shade::Dark);
-        println!("uneven lighting: rms {rms:.4} px");
-        assert!(rms <= 0.1, "{rms} px");
-    }
-
-    #[test]
-    fn sixteen_bits_colour_and_transparency_are_read() {
-        let folder = TempDir::new().expect("a folder");
-        let grey = silhouette(&HEM, 512, 0.5, false);
-        let path = folder.path().join("drape.png");
-        let deep = ::image::ImageBuffer::<::image::Luma<u16>, Vec<u16>>::from_fn(512, 512, |x, y| {
-            ::image::Luma([u16::from(grey.get_pixel(x, y).0[0]) * 257])
-        });
-        deep.save(&path).expect("writable");
-        assert!(misses(&HEM, 512, &path, Shade::Auto).0 <= 0.05);
-        ::image::DynamicImage::ImageLuma8(grey.clone()).to_rgb8().save(&path).expect("writable");
-        assert!(misses(&HEM, 512, &path, Shade::Auto).0 <= 0.05);
-        // A cut-out: black, opaque where the cloth is.
-        let cut = ::image::RgbaImage::from_fn(512, 512, |x, y| ::image::Rgba([0, 0, 0, 255 - grey.get_pixel(x, y).0[0]]));
-        cut.save(&path).expect("writable");
-        assert!(misses(&HEM, 512, &path, Shade::Auto).0 <= 0.05);
-    }
-
-    #[test]
-    fn holes_are_filled_and_other_objects_left_out_and_both_are_said() {
-        let folder = TempDir::new().expect("a folder");
-        let mut picture = silhouette(&HEM, 512, 0.5, false);
-        for (x, y) in (0..9).flat_map(|x| (0..9).map(move |y| (x, y))) {
-            picture.put_pixel(252 + x, 250 + y, ::image::Luma([230]));
-        }
-        for (x, y) in (0..40).flat_map(|x| (0..20).map(move |y| (x, y))) {
-            picture.put_pixel(8 + x, 8 + y, ::image::Luma([20]));
-        }
-        let file = saved(&folder, &picture, None);
-        assert!(misses(&HEM, 512, &file, Shade::Auto).0 <= 0.05);
-        let traced = image::outline(&file, &Pictures { pixel: Metre(1e-3), object: Shade::Auto }).unwrap_or_else(|e| panic!("{e}"));
-        all_in(&traced.notes.join("\n"), &["1 hole(s)", "81 pixels", "1 other object(s)"]);
-    }
-
-    #[test]
-    fn pictures_without_an_outline_are_refused_with_a_remedy() {
-        let folder = TempDir::new().expect("a folder");
-        let refused = |picture: ::image::GrayImage, object: Shade| {
-            let file = saved(&folder, &picture, None);
-            image::outline(&file, &Pictures { pixel: Metre(1e-3), object }).expect_err("refused").to_string()
-        };
-        let touching = ::image::imageops::crop_imm(&silhouette(&HEM, 256, 0.0, false), 0, 128, 256, 128).to_image();
-        all_in(&refused(touching, Shade::Dark), &["touches the border", "background all round"]);
-        all_in(&refused(silhouette(&HEM, 256, 0.0, false), Shade::Light), &["touches the border", "correct object"]);
-        all_in(&refused(::image::GrayImage::from_pixel(64, 64, ::image::Luma([90])), Shade::Auto), &["same grey level"]);
-        all_in(&refused(shaded(&HEM, 128, 0.0, |c, _, _| 120.0 + 8.0 * c), Shade::Auto), &["differ by only", "contrast"]);
-        all_in(&refused(::image::GrayImage::new(3, 3), Shade::Auto), &["3 × 3 pixels"]);
-    }
-
-    #[test]
-    fn the_overlay_shows_the_outline_on_the_picture() {
-        let folder = TempDir::new().expect("a folder");
-        let file = saved(&folder, &silhouette(&HEM, 256, 0.5, false), None);
-        let pixel = Metre(0.4 / 256.0);
-        let traced = image::outline(&file, &Pictures { pixel, object: Shade::Auto }).unwrap_or_else(|e| panic!("{e}"));
-        let to = folder.path().join("overlay.png");
-        image::overlay(&file, traced.profile.points(), pixel, &to).unwrap_or_else(|e| panic!("{e}"));
-        let overlay = ::image::open(&to).expect("a picture").to_rgb8();
-        assert_eq!(overlay.width(), 1024);
-        // Every red pixel lies on an edge of the picture: among the four source pixels around it there are dark and light ones.
-        let source = ::image::open(&file).expect("a picture").to_luma8();
-        let red: Vec<(u32, u32)> =
-            overlay.enumerate_pixels().filter(|(_, _, p)| 200 < p.0[0] && p.0[1] < 50).map(|(x, y, _)| (x / 4, y / 4)).collect();
-        assert!(3000 < red.len(), "{} red pixels", red.len());
-        for (x, y) in red {
-            let around = (x - 2..=x + 2).flat_map(|i| (y - 2..=y + 2).map(move |j| (i, j))).map(|(i, j)| source.get_pixel(i, j).0[0]);
-            let (low, high) = around.fold((255, 0), |(low, high), v| (low.min(v), high.max(v)));
-            assert!(low < 110 && 150 < high, "at {x}, {y}");
-        }
-    }
-}
-
 #[test]
 fn damaged_files_are_refused_or_set_aside_and_never_a_panic() {
     use rand::{RngExt, SeedableRng};
@@ -761,7 +613,7 @@ fn damaged_files_are_refused_or_set_aside_and_never_a_panic() {
         };
         for (name, bytes) in &pictures {
             let file = write(&folder, name, damage(bytes));
-            let _ = image::outline(&file, &Pictures { pixel: Metre(1e-3), object: Shade::Auto });
+            let _ = image::outline(&file, &Pictures::of_scale(PictureScale::Pixel(Metre(1e-3))));
         }
         let _ = table::profiles(&write(&folder, "a.csv", damage(&text)));
         write(&sound, "campaign.toml", if random.random() { damage_once(&toml, &mut random) } else { toml.clone() });

@@ -6,12 +6,12 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
+use super::pictures::{PictureFlags, write_overlay};
 use super::told::Told;
-use super::{folds, hem_length, interval_kind, level, on_off, shade};
-
+use super::{folds, hem_length, interval_kind, level, on_off};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
-use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
+use crate::experiment::campaign::{Folds, HemLength};
 use crate::fit::intervals::Kind;
 use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
@@ -19,17 +19,19 @@ use crate::import::image;
 use crate::import::table;
 use crate::report;
 use crate::report::table::{FitRow, fits};
+use crate::report::words;
 use crate::study::intervals::{self, intervals};
 use crate::study::irregular::{Irregular, irregular};
-use crate::units::{MILLIMETRE, Metre};
 
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
 ///
 /// A table has columns x_cm and y_cm (or _mm, _m), or angle and radius, and, if it holds several outlines, a column `profile` (or run, sample …); or one column
-/// per angle or per profile. A picture is a silhouette, dark on light or light on dark, and needs --scale-mm-per-px.
+/// per angle or per profile. A picture is a silhouette, dark on light or light on dark, and needs a scale: --scale-mm-per-px, or a disc, bar or checkerboard of
+/// known size in the picture (docs/images.md).
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
+hemline fit photo.jpg --disc-mm 180 --overlay look\n  hemline fit photo.jpg --checkerboard-mm 10 --camera-height-mm 1500 --hem-height-mm -80\n  \
 hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n  \
 hemline fit skirt.csv --intervals profile --level 0.99\n  hemline fit skirt.csv --intervals bootstrap --replicates 2000 --seed 7\n  \
 hemline fit skirt.csv --table models\n\n\
@@ -38,7 +40,7 @@ Lengths are in mm, the phase in rad. Standard errors are those of independent er
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
 )]
 pub struct Fit {
-    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz) or silhouettes (.png, .jpg).
+    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz) or silhouettes (.png, .jpg, .tif, .bmp).
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Fold count: auto (by evidence among 2 to 24), a number, or a range such as 4-9.
@@ -47,12 +49,11 @@ pub struct Fit {
     /// Hem length: auto (free; held at the outline's own length where the free optimum is no sane curve), free, or a length to hold exactly.
     #[arg(long, default_value = "auto", value_parser = hem_length, value_name = "auto|free|CM")]
     pub hem_length_cm: HemLength,
-    /// Size of a pixel, for silhouettes.
-    #[arg(long, value_name = "MM")]
-    pub scale_mm_per_px: Option<f64>,
-    /// What is the cloth in a silhouette.
-    #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
-    pub object: Shade,
+    #[command(flatten)]
+    pub pictures: PictureFlags,
+    /// Write each silhouette with its traced outline laid over it into this folder: look whether it is right.
+    #[arg(long, value_name = "DIR")]
+    pub overlay: Option<PathBuf>,
     /// Take out the bias that noise has where the curve bends: on, or off for the bare least-squares optimum.
     #[arg(long, default_value = "on", value_parser = on_off, value_name = "on|off", action = clap::ArgAction::Set)]
     pub bias_correction: bool,
@@ -165,14 +166,23 @@ type Read = (Vec<(String, DrapeProfile)>, Vec<String>);
 
 fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
     if image::is_picture(file) {
-        let Some(scale) = args.scale_mm_per_px else {
-            return Err(Error::Unanswerable(format!("{}: a silhouette needs its scale; add --scale-mm-per-px", file.display())));
+        let Some(options) = args.pictures.options() else {
+            return Err(Error::Unanswerable(format!(
+                "{}: a silhouette needs its scale; add --scale-mm-per-px, or --disc-mm, --bar-mm or --checkerboard-mm for what it shows",
+                file.display()
+            )));
         };
-        let silhouette = image::outline(file, &Pictures { pixel: Metre(scale * MILLIMETRE), object: args.object })?;
-        for note in &silhouette.notes {
+        let silhouette = image::outline(file, &options)?;
+        for note in silhouette.reading.iter().chain(&silhouette.notes) {
             eprintln!("note: {}: {note}", file.display());
         }
         let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+        if let Some(folder) = &args.overlay {
+            // With its extension: a.png and a.jpg are two pictures.
+            let whole = file.file_name().map_or_else(|| name.clone(), |whole| whole.to_string_lossy().into_owned());
+            let drawing = write_overlay(&name, &words::file_stem(&whole.replace('.', "_")), &silhouette, folder)?;
+            eprintln!("drawn: {}", drawing.display());
+        }
         return Ok((vec![(name, silhouette.profile)], vec![]));
     }
     let table = table::read(file, &args.told.dialect())?;

@@ -5,12 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use super::pictures::{PictureFlags, write_overlays};
+use super::print;
 use super::told::Told;
-use super::{print, shade};
 use crate::error::Error;
-use crate::experiment::campaign::{Pictures, Shade};
 use crate::import::tidy::{self, Content, Plan};
-use crate::units::{MILLIMETRE, Metre};
 
 /// Read profiles from tables and pictures, and add them to a campaign: one tidy Parquet file with the source, sheet and row of every point, and
 /// quarantine.csv with everything that was set aside and why.
@@ -36,12 +35,8 @@ pub struct Import {
     /// Let a profile take the place of one that another source gave under the same name.
     #[arg(long)]
     pub replace: bool,
-    /// Size of a pixel, for silhouettes.
-    #[arg(long, value_name = "MM")]
-    pub scale_mm_per_px: Option<f64>,
-    /// What is the cloth in a silhouette.
-    #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
-    pub object: Shade,
+    #[command(flatten)]
+    pub pictures: PictureFlags,
     #[command(flatten)]
     pub told: Told,
 }
@@ -51,8 +46,7 @@ pub struct Import {
 /// # Errors
 /// Those of [`tidy::plan`] and [`Plan::write`].
 pub fn run(args: &Import) -> Result<ExitCode, Error> {
-    let pictures = args.scale_mm_per_px.map(|scale| Pictures { pixel: Metre(scale * MILLIMETRE), object: args.object });
-    let options = tidy::Options { told: args.told.dialect(), pictures, replace: args.replace };
+    let options = tidy::Options { told: args.told.dialect(), pictures: args.pictures.options(), replace: args.replace };
     let plan = tidy::plan(&args.sources, &args.into, &options)?;
     let mut text = table(&plan);
     for note in &plan.notes {
@@ -63,6 +57,11 @@ pub fn run(args: &Import) -> Result<ExitCode, Error> {
     }
     let into = args.into.display();
     let (changed, verb) = if args.dry_run { (plan.would_change(), "would change") } else { (plan.write()?, "changed") };
+    if !args.dry_run {
+        for drawing in write_overlays(&plan.silhouettes, "profile", &args.into)? {
+            text.push_str(&format!("drawn: {}\n", drawing.display()));
+        }
+    }
     text.push_str(&format!(
         "\n{} profile(s) from {} source(s), {} set aside; {into}/{} then holds {}\n",
         plan.profiles.len(),

@@ -257,7 +257,13 @@ const ANALYSIS: &str = r#"
 #   importance = 2                                # 1 unless told
 
 [profiles]
-# scale_mm_per_px = 1.383       # needed for pictures (PNG, JPEG): side of a pixel on the cloth
+# scale_mm_per_px = 1.383       # pictures (PNG, JPEG, TIFF, BMP) need one scale: the side of a pixel …
+# disc_mm = 180                 # … or the diameter of a disc that shows in each picture
+# bar_mm = 100                  # … or the length of a plain bar
+# checkerboard_mm = 10          # … or the side of a square of a checkerboard, which also corrects a tilted camera
+# camera_height_mm = 1500       # where the hem is not in the plane of the scale: the camera's height above that plane
+# hem_height_mm = -80           # … and the hem's; negative below
+# tone = "auto"                 # "linear" (scans), "srgb" (photographs)
 # object = "auto"               # "dark", "light", or "auto": what the margin of the picture is not
 # file = "profiles.parquet"     # written by `hemline import`: the profiles of runs, named like them
 
@@ -305,7 +311,8 @@ are left alone.
 
 With a further column `profile` one file can hold several outlines; each is then named like its run.
 
-**A picture** (PNG, JPEG): a silhouette, dark on light or light on dark, background all round it. campaign.toml needs scale_mm_per_px.
+**A picture** (PNG, JPEG, TIFF, BMP): a silhouette, dark on light or light on dark, background all round it. campaign.toml needs
+scale_mm_per_px, or disc_mm, bar_mm or checkerboard_mm for a thing of known size that the picture shows.
 "#;
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ pub mod fit;
 pub mod import;
 pub mod init;
 pub mod paper;
+mod pictures;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -18,7 +19,7 @@ use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
-use crate::experiment::campaign::{Folds, HemLength, Shade};
+use crate::experiment::campaign::{Folds, HemLength};
 use crate::fit::intervals::Kind;
 use crate::import::Imported;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
@@ -80,7 +81,7 @@ fn progress(runs: usize, message: &'static str) -> ProgressBar {
 /// Says what was set aside on reading, one sentence each, and analyses the rest; the progress bar goes on to what comes next.
 fn analysed(imported: Imported) -> (CampaignStudy, ProgressBar) {
     imported.quarantine.iter().for_each(|row| eprintln!("set aside: {row}"));
-    let Imported { campaign, profiles, quarantine, sources, notes } = imported;
+    let Imported { campaign, profiles, quarantine, sources, notes, .. } = imported;
     let bar = progress(campaign.design.runs.len(), "Fitting");
     let study = analyse(Measured { campaign, profiles, quarantine, sources, notes }, &|| bar.inc(1));
     (study, bar)
@@ -141,14 +142,4 @@ fn interval_kind(text: &str) -> Result<Kind, String> {
 fn level(text: &str) -> Result<f64, String> {
     let wrong = || format!("“{text}” is no confidence level: use a number such as 0.95, from 0.5 to 0.9999");
     text.parse::<f64>().ok().filter(|level| (0.5..=0.9999).contains(level)).ok_or_else(wrong)
-}
-
-/// `auto`, `dark` or `light`.
-fn shade(text: &str) -> Result<Shade, String> {
-    match text {
-        "auto" => Ok(Shade::Auto),
-        "dark" => Ok(Shade::Dark),
-        "light" => Ok(Shade::Light),
-        _ => Err(format!("“{text}” is no shade: use auto, dark or light")),
-    }
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::cli::pictures::write_overlays;
 use crate::cli::print;
 use crate::error::Error;
 use crate::import;
@@ -22,7 +23,8 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, summary.json, figures/*.png, and as CSV: fits, models, folds, candidates, predictions, points, quarantine; regression, weighted,\n\
+Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV: fits, models, folds, candidates,\n\
+predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
 fidelities, fidelity_summary. docs/results.md describes every column.\n\n\
 Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]
@@ -52,12 +54,14 @@ impl Default for Run {
 /// # Errors
 /// Those of [`import::load`] and [`report::write`].
 pub fn run(args: &Run) -> Result<ExitCode, Error> {
-    let imported = import::load(&args.campaign)?;
+    let mut imported = import::load(&args.campaign)?;
+    let silhouettes = std::mem::take(&mut imported.silhouettes);
     let (study, bar) = super::analysed(imported);
     bar.set_message("Writing the report");
     let provenance = report::Provenance { settings: settings(&study), date: report::Date::from_environment() };
     let options = report::Options { provenance, pictures: !args.no_pictures };
-    let written = report::write(&study, &args.out, &options)?;
+    let mut written = report::write(&study, &args.out, &options)?;
+    written.extend(write_overlays(&silhouettes, "run", &args.out)?);
     bar.finish_and_clear();
     if args.json {
         let summary = args.out.join("summary.json");

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::check::CheckRules;
 use super::design::Design;
 use super::specimen::Apparatus;
+use crate::error::Error;
 use crate::units::Metre;
 
 /// How many folds a fit may choose from.
@@ -47,12 +48,91 @@ pub enum Shade {
     Auto,
 }
 
+/// How the grey values of a picture go with light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tone {
+    /// The one under which the edge of the object looks the same from both sides.
+    #[default]
+    Auto,
+    /// In proportion: scanners, scientific cameras, drawn pictures.
+    Linear,
+    /// By the curve of sRGB: photographs.
+    Srgb,
+}
+
+/// What says how large a picture is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PictureScale {
+    /// Side of a pixel, m.
+    Pixel(Metre),
+    /// Diameter of a disc that shows in the picture, m.
+    Disc(Metre),
+    /// Length of a plain bar that shows in the picture, m.
+    Bar(Metre),
+    /// Side of a square of a checkerboard that shows in the picture, m.
+    Checkerboard(Metre),
+}
+
+/// Where the eye of the camera (or the lamp that casts a shadow) and the hem are above the plane of the scale.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CameraHeight {
+    /// > 0, m.
+    pub camera: Metre,
+    /// Below the camera; negative where the hem hangs below the plane of the scale. m.
+    pub hem: Metre,
+}
+
+impl CameraHeight {
+    /// True size over apparent size of the hem, `(H − h)/H`: similar triangles from the eye, for any tilt of the camera.
+    pub fn factor(self) -> f64 {
+        (self.camera.0 - self.hem.0) / self.camera.0
+    }
+}
+
 /// How pictures of drapes are read.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pictures {
-    /// Side of a pixel on the cloth, m.
-    pub pixel: Metre,
+    pub scale: PictureScale,
     pub object: Shade,
+    pub tone: Tone,
+    /// `None`: the hem lies in the plane of the scale.
+    pub height: Option<CameraHeight>,
+}
+
+impl Pictures {
+    /// Pictures of this scale, everything else found in the picture.
+    pub fn of_scale(scale: PictureScale) -> Self {
+        Pictures { scale, object: Shade::Auto, tone: Tone::Auto, height: None }
+    }
+
+    /// Whether its lengths are possible.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a length of the scale or a camera height that is not positive and finite, or a hem at or above the camera.
+    pub fn check(&self) -> Result<(), Error> {
+        let (quantity, value) = match self.scale {
+            PictureScale::Pixel(Metre(value)) => ("side of a pixel, m", value),
+            PictureScale::Disc(Metre(value)) => ("diameter of the disc, m", value),
+            PictureScale::Bar(Metre(value)) => ("length of the bar, m", value),
+            PictureScale::Checkerboard(Metre(value)) => ("side of a square of the checkerboard, m", value),
+        };
+        if !(0.0 < value && value.is_finite()) {
+            return Err(Error::Invalid { quantity, value, allowed: "> 0" });
+        }
+        match self.height {
+            Some(CameraHeight { camera: Metre(value), .. }) if !(0.0 < value && value.is_finite()) => {
+                Err(Error::Invalid { quantity: "height of the camera above the plane of the scale, m", value, allowed: "> 0" })
+            }
+            Some(CameraHeight { camera, hem: Metre(value) }) if !(value < camera.0 && value.is_finite()) => Err(Error::Invalid {
+                quantity: "height of the hem above the plane of the scale, m",
+                value,
+                allowed: "less than the camera's",
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A response: the short name by which a campaign asks for it, and its column of the fits table, whose suffix is its unit.

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::design::{self, DesignTable};
 use super::dialect_table::Told;
-use super::image::{self, is_picture};
+use super::image::{self, Silhouette, is_picture};
 use super::store;
 use super::table::{self, Table};
 use super::{campaign_file, cells};
@@ -14,6 +14,7 @@ use crate::experiment::Quarantined;
 use crate::experiment::Source;
 use crate::experiment::campaign::Pictures;
 use crate::experiment::{Campaign, DrapeProfile, Run};
+use crate::units::{MILLIMETRE, PERCENT};
 
 /// A campaign folder, read.
 #[derive(Debug, Clone)]
@@ -25,6 +26,8 @@ pub struct Imported {
     pub quarantine: Vec<Quarantined>,
     /// Every file that was read, in the order of reading.
     pub sources: Vec<Source>,
+    /// The runs that were read from a picture, by id, in the order of the design; for the drawings that show what was traced.
+    pub silhouettes: Vec<(String, Silhouette)>,
     /// What a person should know; one sentence each.
     pub notes: Vec<String>,
 }
@@ -54,13 +57,15 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         tables: BTreeMap::new(),
         quarantine,
         sources: vec![file.source.clone(), source],
+        silhouettes: vec![],
         notes,
     };
     reader.open_store(&toml)?;
     let profiles: Vec<Option<DrapeProfile>> = design.runs.iter().zip(&rows).map(|(run, &row)| reader.profile(run, row)).collect();
+    reader.note_scales();
     reader.note_repeats(&design.runs);
     reader.note_strays(&design.runs);
-    let Profiles { quarantine, sources, notes, .. } = reader;
+    let Profiles { quarantine, sources, silhouettes, notes, .. } = reader;
     if profiles.iter().all(Option::is_none) {
         let first = quarantine.first().map(|q| format!(" (first: {q})")).unwrap_or_default();
         let problem = format!("not one of the {} runs has a usable profile{first}", profiles.len());
@@ -84,7 +89,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         check: file.check,
     };
     known_runs(&toml, &campaign, &quarantine)?;
-    Ok(Imported { campaign, profiles, quarantine, sources, notes })
+    Ok(Imported { campaign, profiles, quarantine, sources, silhouettes, notes })
 }
 
 /// The design table, in whichever format it is; there may be one only.
@@ -153,6 +158,7 @@ struct Profiles<'a> {
     tables: BTreeMap<PathBuf, Result<Table, Quarantined>>,
     quarantine: Vec<Quarantined>,
     sources: Vec<Source>,
+    silhouettes: Vec<(String, Silhouette)>,
     notes: Vec<String>,
 }
 
@@ -243,16 +249,17 @@ impl Profiles<'_> {
                 run,
                 row,
                 "a picture, but the campaign has no scale for it",
-                "add scale_mm_per_px to [profiles] in campaign.toml",
+                "add scale_mm_per_px, disc_mm, bar_mm or checkerboard_mm to [profiles] in campaign.toml",
             );
             return None;
         };
         match image::outline(path, &options) {
             Ok(silhouette) => {
-                self.sources.push(silhouette.source);
-                // The first note, the grey levels, is of interest only to who looks at one picture.
-                self.notes.extend(silhouette.notes.iter().skip(1).map(|note| format!("run {}: {note}", run.id)));
-                Some(silhouette.profile)
+                self.sources.push(silhouette.source.clone());
+                self.notes.extend(silhouette.notes.iter().map(|note| format!("run {}: {note}", run.id)));
+                let profile = silhouette.profile.clone();
+                self.silhouettes.push((run.id.clone(), silhouette));
+                Some(profile)
             }
             Err(error) => {
                 self.quarantine.push(super::quarantine::refused(Some(run.id.clone()), path.to_path_buf(), error));
@@ -303,6 +310,23 @@ impl Profiles<'_> {
         }
         self.quarantine.extend(faults.into_iter().map(|fault| Quarantined { run: Some(run.id.clone()), ..fault }));
         found
+    }
+
+    /// Scales that were found in the pictures, and how well.
+    fn note_scales(&mut self) {
+        let found: Vec<(&str, f64, f64)> = self
+            .silhouettes
+            .iter()
+            .filter_map(|(id, s)| Some((id.as_str(), s.pixel.0 / MILLIMETRE, s.relative_standard_error? / PERCENT)))
+            .collect();
+        let Some(worst) = found.iter().max_by(|a, b| a.2.total_cmp(&b.2)) else { return };
+        let (low, high) = found.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), f| (low.min(f.1), high.max(f.1)));
+        self.notes.push(format!(
+            "the scale was found in {} picture(s): {low:.4} to {high:.4} mm/px; relative standard error at most {:.2} % (run {})",
+            found.len(),
+            worst.2,
+            worst.0
+        ));
     }
 
     /// The same bytes under two names, or one single-profile file for two runs, is one measurement counted twice.

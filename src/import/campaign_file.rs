@@ -15,7 +15,7 @@ use super::source;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
-use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES, Wish};
+use crate::experiment::campaign::{CameraHeight, Folds, HemLength, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish};
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
@@ -169,9 +169,16 @@ enum OnOff {
 #[serde(deny_unknown_fields)]
 struct Profiles {
     scale_mm_per_px: Option<Spanned<f64>>,
+    disc_mm: Option<Spanned<f64>>,
+    bar_mm: Option<Spanned<f64>>,
+    checkerboard_mm: Option<Spanned<f64>>,
+    camera_height_mm: Option<Spanned<f64>>,
+    hem_height_mm: Option<Spanned<f64>>,
     #[serde(default)]
     object: Shade,
     file: Option<Spanned<String>>,
+    #[serde(default)]
+    tone: Tone,
 }
 
 /// Reads and checks `campaign.toml`.
@@ -343,6 +350,47 @@ impl Reader<'_> {
         })
     }
 
+    /// What `[profiles]` says about pictures; `None` where it gives no scale.
+    fn pictures(&self, profiles: &Profiles) -> Result<Option<Pictures>, Error> {
+        type Scale = fn(Metre) -> PictureScale;
+        let scales: [(&str, &Option<Spanned<f64>>, Scale); 4] = [
+            ("scale_mm_per_px", &profiles.scale_mm_per_px, PictureScale::Pixel),
+            ("disc_mm", &profiles.disc_mm, PictureScale::Disc),
+            ("bar_mm", &profiles.bar_mm, PictureScale::Bar),
+            ("checkerboard_mm", &profiles.checkerboard_mm, PictureScale::Checkerboard),
+        ];
+        let mut given = None;
+        for (key, value, scale) in scales {
+            let Some(spanned) = value else { continue };
+            let length = Metre(self.number(value, 0.0, key, "positive", |s| 0.0 < s)? * units::MILLIMETRE);
+            if let Some((first, _)) = given.replace((key, scale(length))) {
+                let problem = format!("pictures have two scales, “{first}” and “{key}”");
+                return Err(Error::input(self.place(&spanned.span()), problem, "keep one of them"));
+            }
+        }
+        let height = match (&profiles.camera_height_mm, &profiles.hem_height_mm) {
+            (None, None) => None,
+            (Some(camera), Some(_)) => {
+                let above = self.number(&profiles.camera_height_mm, 0.0, "camera_height_mm", "positive", |h| 0.0 < h)?;
+                let hem = self.number(&profiles.hem_height_mm, 0.0, "hem_height_mm", "less than camera_height_mm", |h| h < above)?;
+                if given.is_none() {
+                    let problem = "camera_height_mm corrects a scale, and there is none";
+                    return Err(Error::input(
+                        self.place(&camera.span()),
+                        problem,
+                        "add scale_mm_per_px, disc_mm, bar_mm or checkerboard_mm",
+                    ));
+                }
+                Some(CameraHeight { camera: Metre(above * units::MILLIMETRE), hem: Metre(hem * units::MILLIMETRE) })
+            }
+            (Some(one), None) | (None, Some(one)) => {
+                let problem = "one of camera_height_mm and hem_height_mm is missing";
+                return Err(Error::input(self.place(&one.span()), problem, "give both, from the plane of the scale upwards"));
+            }
+        };
+        Ok(given.map(|(_, scale)| Pictures { scale, object: profiles.object, tone: profiles.tone, height }))
+    }
+
     /// A number that the file gives, or `default`.
     pub(super) fn number(
         &self,
@@ -360,14 +408,6 @@ impl Reader<'_> {
                 Err(Error::input(self.place(&value.span()), problem, format!("it must be {allowed}")))
             }
         }
-    }
-
-    fn pictures(&self, profiles: &Profiles) -> Result<Option<Pictures>, Error> {
-        if profiles.scale_mm_per_px.is_none() {
-            return Ok(None);
-        }
-        let millimetres = self.number(&profiles.scale_mm_per_px, 0.0, "scale_mm_per_px", "positive", |s| 0.0 < s)?;
-        Ok(Some(Pictures { pixel: Metre(millimetres * units::MILLIMETRE), object: profiles.object }))
     }
 
     /// The file of all profiles, below the campaign's folder.

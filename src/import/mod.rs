@@ -13,7 +13,6 @@ mod design_sheet;
 pub mod dialect;
 mod dialect_table;
 mod document;
-mod edge;
 mod encoding;
 mod expansion;
 mod header;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::campaign_file::{self, ForImport};
 use super::cells::shortened;
 use super::dialect::{Dialect, Layout};
-use super::image::{self, is_picture};
+use super::image::{self, Silhouette, is_picture};
 use super::quarantine::refused;
 use super::sources::{self, Sources};
 use super::store::{self, Change, DEFAULT_STORE, QUARANTINE, SetAside, Stored, StoredPoint};
@@ -67,6 +67,8 @@ pub struct Plan {
     pub total: usize,
     /// Where they are, below the campaign.
     pub store: String,
+    /// What was traced in the pictures among the sources, by profile.
+    pub silhouettes: Vec<(String, Silhouette)>,
 }
 
 /// Reads the sources and works out what the store of `campaign` comes to. Only `campaign.toml`, the store and the sources are read.
@@ -141,6 +143,7 @@ struct Gathering<'a> {
     /// Digest and name of every source that was read.
     read: Vec<(String, PathBuf)>,
     design: Option<(PathBuf, Vec<u8>)>,
+    silhouettes: Vec<(String, Silhouette)>,
 }
 
 impl<'a> Gathering<'a> {
@@ -157,6 +160,7 @@ impl<'a> Gathering<'a> {
             notes: Vec::new(),
             read: Vec::new(),
             design: None,
+            silhouettes: Vec::new(),
         }
     }
 
@@ -197,7 +201,7 @@ impl<'a> Gathering<'a> {
 
     fn picture(&mut self, file: &Path, name: String, digest: String) {
         let Some(pictures) = self.options.pictures.or(self.settings.pictures) else {
-            let remedy = "add scale_mm_per_px to [profiles] in campaign.toml, or --scale-mm-per-px";
+            let remedy = "add scale_mm_per_px, disc_mm, bar_mm or checkerboard_mm to [profiles] in campaign.toml, or say it by the flag of that name";
             return self.refuse(file, &name, &digest, Error::input(Place::file(file), "a picture, but there is no scale for it", remedy));
         };
         let silhouette = match image::outline(file, &pictures) {
@@ -208,8 +212,11 @@ impl<'a> Gathering<'a> {
         let points: Vec<StoredPoint> =
             silhouette.profile.points().iter().map(|p| StoredPoint { x: p.x, y: p.y, weight: None, row: None }).collect();
         self.say(file, Content::Picture { points: points.len() });
+        let profile = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| name.clone());
+        let unit = format!("{} mm per px", silhouette.pixel.0 / MILLIMETRE);
+        self.silhouettes.push((profile.clone(), silhouette));
         self.stored.push(Stored {
-            name: file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| name.clone()),
+            name: profile,
             source: name,
             sheet: None,
             digest,
@@ -219,7 +226,7 @@ impl<'a> Gathering<'a> {
             decimal: None,
             layout: "picture".into(),
             coordinates: "x, y".into(),
-            unit: format!("{} mm per px", pictures.pixel.0 / MILLIMETRE),
+            unit,
             points,
         });
     }
@@ -319,6 +326,7 @@ impl<'a> Gathering<'a> {
             profiles,
             total: all.len(),
             store,
+            silhouettes: self.silhouettes,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Results → files; computes nothing.
 
 pub mod analysis_table;
+pub mod caption;
 pub mod check;
 pub mod csv;
 pub mod date;
