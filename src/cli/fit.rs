@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use rayon::prelude::*;
 
+use super::mesh::Frame;
 use super::{folds, hem_length, shade};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
@@ -13,6 +14,7 @@ use crate::experiment::campaign::{Folds, HemLength, Pictures, Shade};
 use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
 use crate::import::image;
+use crate::import::mesh;
 use crate::import::table;
 use crate::report::table::{FitRow, fits};
 use crate::units::{MILLIMETRE, Metre};
@@ -20,7 +22,7 @@ use crate::units::{MILLIMETRE, Metre};
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
 ///
 /// A table has columns x_cm and y_cm (or _mm, _m) and, if it holds several outlines, a column `profile` (or run, sample …). A picture is a silhouette, dark on
-/// light or light on dark, and needs --scale-mm-per-px.
+/// light or light on dark, and needs --scale-mm-per-px. Of a mesh the hem is fitted; `hemline mesh` fits the whole surface.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
@@ -30,7 +32,7 @@ Lengths are in mm, the phase in rad. Standard errors are those of independent er
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
 )]
 pub struct Fit {
-    /// Tables (.csv, .tsv, .txt) or silhouettes (.png, .jpg).
+    /// Tables (.csv, .tsv, .txt), silhouettes (.png, .jpg) or meshes (.obj, .ply, .stl, .gltf, .glb).
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Fold count: auto (by evidence among 2 to 24), a number, or a range such as 4-9.
@@ -45,6 +47,8 @@ pub struct Fit {
     /// What is the cloth in a silhouette.
     #[arg(long, default_value = "auto", value_parser = shade, value_name = "auto|dark|light")]
     pub object: Shade,
+    #[command(flatten)]
+    pub frame: Frame,
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
     pub json: bool,
@@ -117,8 +121,14 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         for note in &silhouette.notes {
             eprintln!("note: {}: {note}", file.display());
         }
-        let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
-        return Ok((vec![(name, silhouette.profile)], vec![]));
+        return Ok((vec![(stem(file), silhouette.profile)], vec![]));
+    }
+    if mesh::is_mesh(file) {
+        let hem = mesh::hem(file, &mesh::Options { frame: args.frame.meshes(), ..mesh::Options::default() })?;
+        for note in &hem.notes {
+            eprintln!("note: {}: {note}", file.display());
+        }
+        return Ok((vec![(stem(file), hem.profile)], vec![]));
     }
     let table = table::profiles(file)?;
     for note in &table.notes {
@@ -126,4 +136,9 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
     }
     let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
     Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
+}
+
+/// What a profile is called whose file holds only one.
+fn stem(file: &std::path::Path) -> String {
+    file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned())
 }

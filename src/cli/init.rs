@@ -203,6 +203,8 @@ const ANALYSIS: &str = r#"
 [profiles]
 # scale_mm_per_px = 1.383       # needed for pictures (PNG, JPEG): side of a pixel on the cloth
 # object = "auto"               # "dark", "light", or "auto": what the margin of the picture is not
+# mesh_axis = "z"               # meshes (OBJ, PLY, STL, glTF): which direction of the file is up; found by geometry unless told
+# mesh_unit = "mm"              # unit of their coordinates, where their size does not tell
 
 # What `hemline check` holds the campaign to; theory is not asked unless a limit is set.
 [check]

@@ -3,6 +3,7 @@
 pub mod check;
 pub mod fit;
 pub mod init;
+pub mod mesh;
 pub mod paper;
 pub mod predict;
 pub mod regress;
@@ -38,6 +39,7 @@ struct Cli {
 enum Command {
     Run(run::Run),
     Fit(fit::Fit),
+    Mesh(mesh::Mesh),
     Predict(predict::Predict),
     Regress(regress::Regress),
     Check(check::Check),
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
     let outcome = match cli.command.unwrap_or(Command::Run(run::Run::default())) {
         Command::Run(args) => run::run(&args),
         Command::Fit(args) => fit::run(&args),
+        Command::Mesh(args) => mesh::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::Regress(args) => regress::run(&args),
         Command::Check(args) => check::run(&args),

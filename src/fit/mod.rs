@@ -10,6 +10,7 @@ pub mod outcome;
 pub mod outline;
 pub mod rules;
 pub mod start;
+pub mod surface;
 mod trial;
 
 pub use folds::{Options, fit};

@@ -6,12 +6,13 @@ use std::path::{Component, Path, PathBuf};
 
 use super::design::{self, DesignTable};
 use super::image::{self, is_picture};
+use super::mesh::{self, is_mesh};
 use super::table::{self, Table};
 use super::{campaign_file, delimited};
 use crate::error::{Error, Place};
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
-use crate::experiment::campaign::Pictures;
+use crate::experiment::campaign::{Meshes, Pictures};
 use crate::experiment::{Campaign, DrapeProfile, Run};
 
 /// A campaign folder, read.
@@ -48,6 +49,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         folder,
         design: &table,
         pictures: file.pictures,
+        meshes: file.meshes,
         tables: BTreeMap::new(),
         quarantine,
         sources: vec![file.source.clone(), source],
@@ -76,6 +78,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         gravity: file.gravity,
         foundation_modulus: file.foundation_modulus,
         pictures: file.pictures,
+        meshes: file.meshes,
         check: file.check,
     };
     known_runs(&toml, &campaign, &quarantine)?;
@@ -99,6 +102,7 @@ struct Profiles<'a> {
     folder: &'a Path,
     design: &'a Path,
     pictures: Option<Pictures>,
+    meshes: Meshes,
     /// Profile tables that were read; several runs may share one. A refused one keeps its reason.
     tables: BTreeMap<PathBuf, Result<Table, Quarantined>>,
     quarantine: Vec<Quarantined>,
@@ -134,7 +138,11 @@ impl Profiles<'_> {
             self.set_aside(run, row, "missing profile: there is no such file in the campaign folder", "add the file, or correct its name");
             return None;
         }
-        let profile = if is_picture(&path) { self.picture(run, row, &path) } else { self.outline(run, &path) }?;
+        let profile = match () {
+            () if is_picture(&path) => self.picture(run, row, &path),
+            () if is_mesh(&path) => self.mesh(run, &path),
+            () => self.outline(run, &path),
+        }?;
         if profile.was_scattered() {
             self.notes.push(format!("run {}: the points were not in order round the outline; the order was reconstructed", run.id));
         }
@@ -157,6 +165,21 @@ impl Profiles<'_> {
                 // The first note, the grey levels, is of interest only to who looks at one picture.
                 self.notes.extend(silhouette.notes.iter().skip(1).map(|note| format!("run {}: {note}", run.id)));
                 Some(silhouette.profile)
+            }
+            Err(error) => {
+                self.quarantine.push(super::quarantine::refused(Some(run.id.clone()), path.to_path_buf(), error));
+                None
+            }
+        }
+    }
+
+    /// The hem of a mesh.
+    fn mesh(&mut self, run: &Run, path: &Path) -> Option<DrapeProfile> {
+        match mesh::hem(path, &mesh::Options { frame: self.meshes, ..mesh::Options::default() }) {
+            Ok(hem) => {
+                self.sources.push(hem.source);
+                self.notes.extend(hem.notes.iter().map(|note| format!("run {}: {note}", run.id)));
+                Some(hem.profile)
             }
             Err(error) => {
                 self.quarantine.push(super::quarantine::refused(Some(run.id.clone()), path.to_path_buf(), error));
@@ -246,7 +269,7 @@ impl Profiles<'_> {
             let mut strays: Vec<String> = entries
                 .flatten()
                 .map(|entry| entry.path())
-                .filter(|path| is_picture(path) || path.extension().is_some_and(|e| e == OsStr::new("csv")))
+                .filter(|path| is_picture(path) || is_mesh(path) || path.extension().is_some_and(|e| e == OsStr::new("csv")))
                 .filter(|path| !runs.iter().any(|run| self.folder.join(&run.profile) == *path))
                 .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
                 .collect();

@@ -14,7 +14,7 @@ use super::table::length_unit;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
-use crate::experiment::campaign::{Folds, HemLength, Pictures, RESPONSES, Shade, USUAL_RESPONSES, Wish};
+use crate::experiment::campaign::{Folds, HemLength, Meshes, Pictures, RESPONSES, Shade, USUAL_RESPONSES, Wish};
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
@@ -58,6 +58,7 @@ pub(super) struct CampaignFile {
     pub gravity: f64,
     pub foundation_modulus: f64,
     pub pictures: Option<Pictures>,
+    pub meshes: Meshes,
     pub check: CheckRules,
 }
 
@@ -156,6 +157,8 @@ struct Profiles {
     scale_mm_per_px: Option<Spanned<f64>>,
     #[serde(default)]
     object: Shade,
+    mesh_axis: Option<Spanned<String>>,
+    mesh_unit: Option<Spanned<String>>,
 }
 
 /// Reads and checks `campaign.toml`.
@@ -280,6 +283,7 @@ impl Reader<'_> {
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
             foundation_modulus: self
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,
+            meshes: self.meshes(&profiles)?,
             pictures: match profiles.scale_mm_per_px {
                 None => None,
                 scale => {
@@ -288,6 +292,20 @@ impl Reader<'_> {
                 }
             },
         })
+    }
+
+    fn meshes(&self, profiles: &Profiles) -> Result<Meshes, Error> {
+        let refuse = |given: &Spanned<String>, key: &str, remedy: &str| {
+            Error::input(self.place(&given.span()), format!("“{key}” is “{}”", given.get_ref()), remedy)
+        };
+        let axis = profiles.mesh_axis.as_ref().map(|given| {
+            super::mesh::direction_named(given.get_ref())
+                .ok_or_else(|| refuse(given, "mesh_axis", "use x, -x, y, -y, z, -z, or a vector such as \"0,0.1,1\""))
+        });
+        let unit = profiles.mesh_unit.as_ref().map(|given| {
+            length_unit(given.get_ref()).map(Metre).ok_or_else(|| refuse(given, "mesh_unit", "use \"mm\", \"cm\", \"m\", \"um\" or \"in\""))
+        });
+        Ok(Meshes { axis: axis.transpose()?, unit: unit.transpose()? })
     }
 
     /// A number that the file gives, or `default`.

@@ -7,6 +7,7 @@ mod delimited;
 mod design;
 mod edge;
 pub mod image;
+pub mod mesh;
 mod number;
 pub mod numbers;
 mod quarantine;
