@@ -285,8 +285,11 @@ impl Trial {
                 SectionFit { height: section.height, alone, hem, placement, rms }
             })
             .collect();
-        let pick: [&dyn Fn(&HemFit) -> Option<f64>; 3] = [&|f| Some(f.p.value), &|f| f.q.map(|e| e.value), &|f| f.s.map(|e| e.value)];
-        let lack_of_fit = [(&p, pick[0]), (&q, pick[1]), (&s, pick[2])].map(|(line, pick)| lack_of_fit(line, &sections, pick));
+        let lack_of_fit = [
+            lack_of_fit(&p, &sections, |fit| Some(fit.p.value)),
+            lack_of_fit(&q, &sections, |fit| fit.q.map(|e| e.value)),
+            lack_of_fit(&s, &sections, |fit| fit.s.map(|e| e.value)),
+        ];
         if options.folds != Folds::Exactly(lines.folds) {
             let voted = sections.iter().filter(|s| s.alone.as_ref().is_ok_and(|f| f.candidates.len() > 1)).count();
             if voted < sections.len() {
@@ -397,7 +400,8 @@ fn through_sections(m: u32, sections: &[Section], alone: &[Result<HemFit, String
         let (w, wz, wzz) = (sum(&|r| r.2), sum(&|r| r.2 * r.0), sum(&|r| r.2 * r.0 * r.0));
         let (wy, wzy) = (sum(&|r| r.2 * r.1), sum(&|r| r.2 * r.0 * r.1));
         let determinant = w * wzz - wz * wz;
-        if !(1e-12 * w * wzz < determinant) {
+        // All at one height, or not finite.
+        if determinant.partial_cmp(&(1e-12 * w * wzz)).is_none_or(std::cmp::Ordering::is_le) {
             return None;
         }
         values[value] = (wzz * wy - wz * wzy) / determinant;
@@ -474,7 +478,7 @@ fn canonical(lines: Lines) -> Lines {
     Lines { values, ..lines }
 }
 
-fn lack_of_fit(line: &Line, sections: &[SectionFit], pick: &dyn Fn(&HemFit) -> Option<f64>) -> Option<LackOfFit> {
+fn lack_of_fit(line: &Line, sections: &[SectionFit], pick: impl Fn(&HemFit) -> Option<f64>) -> Option<LackOfFit> {
     let values: Vec<(f64, f64)> =
         sections.iter().filter_map(|s| Some((s.height, pick(s.alone.as_ref().ok().filter(|f| f.folds == Some(s.hem.folds))?)?))).collect();
     if values.len() < FEWEST_SECTIONS {

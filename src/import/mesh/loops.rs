@@ -5,7 +5,10 @@ use std::collections::HashMap;
 /// Chains shorter than this share of the longest are specks at the rim of a hole: they are not used to bridge a gap.
 const SPECK: f64 = 0.01;
 /// At most so many open chains are put together: a surface with more holes than this at one height is a heap of pieces.
-const MOST_CHAINS: usize = 64;
+const MOST_CHAINS: usize = 32;
+
+/// Where many sheets meet in a seam, so many of them are looked at for the one that goes straight on.
+const SEAM: usize = 16;
 
 /// A way through nodes; a closed one does not repeat its first node.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,15 +21,16 @@ pub(super) struct Chain {
 
 /// Follows segments (pairs of nodes) from end to end. Where more than two meet, it goes on with the one that turns least.
 pub(super) fn follow(segments: &[[u32; 2]], turn: impl Fn(u32, u32, u32) -> f64) -> Vec<Chain> {
-    // Looked up, never iterated over.
+    // Looked up, never iterated over: the segments that meet at each node, first ones last.
     let mut meeting: HashMap<u32, Vec<u32>> = HashMap::new();
-    for (at, segment) in segments.iter().enumerate() {
+    for (at, segment) in segments.iter().enumerate().rev() {
         segment.iter().for_each(|&node| meeting.entry(node).or_default().push(at as u32));
     }
+    let simple: HashMap<u32, bool> = meeting.iter().map(|(&node, there)| (node, there.len() == 2)).collect();
     let mut used = vec![false; segments.len()];
     let mut chains = Vec::new();
     // Loose ends first, so that an open chain is found whole.
-    let loose = |at: &usize| segments[*at].iter().any(|node| meeting[node].len() != 2);
+    let loose = |at: &usize| segments[*at].iter().any(|node| !simple[node]);
     let starts: Vec<usize> = (0..segments.len()).filter(loose).chain((0..segments.len()).filter(|at| !loose(at))).collect();
     for start in starts {
         if used[start] {
@@ -34,15 +38,20 @@ pub(super) fn follow(segments: &[[u32; 2]], turn: impl Fn(u32, u32, u32) -> f64)
         }
         used[start] = true;
         let [a, b] = segments[start];
-        let mut nodes = if meeting[&a].len() != 2 || meeting[&b].len() == 2 { vec![a, b] } else { vec![b, a] };
+        let mut nodes = if !simple[&a] || simple[&b] { vec![a, b] } else { vec![b, a] };
         loop {
             let (before, here) = (nodes[nodes.len() - 2], nodes[nodes.len() - 1]);
-            let onward = meeting[&here].iter().filter(|&&s| !used[s as usize]).map(|&s| {
+            let there = meeting.get_mut(&here).map_or(&[][..], |there| {
+                while there.last().is_some_and(|&last| used[last as usize]) {
+                    there.pop();
+                }
+                &there[there.len().saturating_sub(SEAM)..]
+            });
+            let onward = there.iter().rev().filter(|&&s| !used[s as usize]).map(|&s| {
                 let [from, to] = segments[s as usize];
                 (s, if from == here { to } else { from })
             });
-            // A seam where many sheets meet: looking at some of them is enough.
-            let onward: Vec<(u32, u32)> = onward.take(8).collect();
+            let onward: Vec<(u32, u32)> = onward.collect();
             let next = match onward[..] {
                 [] => None,
                 [only] => Some(only),

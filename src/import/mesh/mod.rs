@@ -124,7 +124,7 @@ pub fn read(path: &Path, options: &Options) -> Result<DrapeMesh, Error> {
         Some("obj") => obj::read(&bytes),
         Some("ply") => ply::read(&bytes),
         Some("stl") => stl::read(&bytes),
-        Some("gltf" | "glb") => gltf::read(&bytes),
+        Some("gltf" | "glb") => self::gltf::read(&bytes),
         _ => Err(Refusal::new("no mesh, by its name", "the name must end in .obj, .ply, .stl, .gltf or .glb")),
     };
     drop(bytes);
@@ -425,7 +425,7 @@ fn decide_axis(
 ) -> Result<(Space, Option<f64>), Refusal> {
     if let Some(asked) = asked {
         let up = surface::unit(asked);
-        if !(0.5 < surface::dot(up, up)) {
+        if surface::dot(up, up).partial_cmp(&0.5).is_none_or(std::cmp::Ordering::is_lt) {
             return Err(Refusal::new("the axis asked for has no direction", "give one as z, -y or 0.1,0,1"));
         }
         return Ok((up, None));

@@ -6,6 +6,8 @@ use super::raw::{Raw, Refusal};
 
 /// Vertices nearer than this share of the largest extent are one: ten times the rounding of 32-bit coordinates, a thousandth of a mesh size.
 const SAME_PLACE: f64 = 1e-6;
+/// Squares and products of coordinates have to stay finite.
+const FARTHEST: f64 = 1e100;
 /// A polygon with more corners than this that is not convex is cut as if it were: cutting ears takes the square of their number.
 const MOST_EARS: usize = 400;
 
@@ -72,8 +74,7 @@ fn weld(vertices: &[Space]) -> Result<(Vec<Space>, Vec<u32>), Refusal> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for (at, vertex) in vertices.iter().enumerate() {
         for (axis, &value) in vertex.iter().enumerate() {
-            // Squares and products of coordinates have to stay finite.
-            if !(value.abs() <= 1e100) {
+            if !(-FARTHEST..=FARTHEST).contains(&value) {
                 let problem = format!("vertex {at}, counted from 0, has the coordinate {value}");
                 return Err(Refusal::new(problem, "every coordinate must be a finite number"));
             }
@@ -119,7 +120,7 @@ fn triangulated(corners: &[u32], vertices: &[Space]) -> Vec<[u32; 3]> {
     let normal = (0..n).fold([0.0; 3], |sum, i| add(sum, cross(subtract(at(i), at(0)), subtract(at(i + 1), at(0)))));
     let turns_back = |a: Space, b: Space, c: Space| dot(cross(subtract(b, a), subtract(c, b)), normal) < 0.0;
     let fan = |corners: &[u32]| (2..corners.len()).map(|i| [corners[0], corners[i - 1], corners[i]]).collect::<Vec<_>>();
-    if n < 4 || MOST_EARS < n || (0..n).all(|i| !turns_back(at(i), at(i + 1), at(i + 2))) {
+    if !(4..=MOST_EARS).contains(&n) || (0..n).all(|i| !turns_back(at(i), at(i + 1), at(i + 2))) {
         return fan(corners);
     }
     let mut left = corners.to_vec();
