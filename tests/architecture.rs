@@ -11,7 +11,11 @@ fn allowed() -> BTreeMap<&'static str, (Vec<&'static str>, Vec<&'static str>)> {
         ("units", &[], &["serde"]),
         ("numerics", &["error"], &["nalgebra", "argmin", "argmin_math", "serde"]),
         ("experiment", &["error", "units"], &["serde"]),
-        ("import", &["error", "units", "experiment"], &["polars", "image", "serde", "toml", "encoding_rs"]),
+        (
+            "import",
+            &["error", "units", "experiment"],
+            &["polars", "image", "serde", "toml", "encoding_rs", "tobj", "ply_rs_bw", "stl_io", "gltf", "base64"],
+        ),
         ("model", &["error", "units", "numerics", "experiment"], &["nalgebra", "serde"]),
         ("simulate", &["error", "units", "numerics", "experiment", "model"], &["nalgebra", "serde"]),
         ("fit", &["error", "units", "numerics", "experiment", "model"], &["nalgebra", "serde"]),
@@ -43,12 +47,17 @@ fn allowed() -> BTreeMap<&'static str, (Vec<&'static str>, Vec<&'static str>)> {
 }
 
 /// Crates that must enter by one door only.
-const DOORS: [(&str, &str); 6] = [
+const DOORS: [(&str, &str); 11] = [
     ("argmin", "numerics/minimize.rs"),
     ("statrs", "statistics/"),
     ("clap", "cli/"),
     ("indicatif", "cli/"),
     ("polars", "import/"),
+    ("tobj", "import/mesh/obj.rs"),
+    ("ply_rs_bw", "import/mesh/ply.rs"),
+    ("stl_io", "import/mesh/stl.rs"),
+    ("gltf", "import/mesh/gltf.rs"),
+    ("base64", "import/mesh/gltf.rs"),
     ("plotters", "report/figure/"),
 ];
 

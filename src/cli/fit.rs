@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
+use super::mesh::Frame;
 use super::pictures::{PictureFlags, write_overlay};
 use super::told::Told;
 use super::{folds, hem_length, interval_kind, level, on_off};
@@ -16,6 +17,7 @@ use crate::fit::intervals::Kind;
 use crate::fit::lambda::Lambda;
 use crate::fit::{self, HemFit};
 use crate::import::image;
+use crate::import::mesh;
 use crate::import::table;
 use crate::report;
 use crate::report::table::{FitRow, fits};
@@ -27,7 +29,7 @@ use crate::study::irregular::{Irregular, irregular};
 ///
 /// A table has columns x_cm and y_cm (or _mm, _m), or angle and radius, and, if it holds several outlines, a column `profile` (or run, sample …); or one column
 /// per angle or per profile. A picture is a silhouette, dark on light or light on dark, and needs a scale: --scale-mm-per-px, or a disc, bar or checkerboard of
-/// known size in the picture (docs/images.md).
+/// known size in the picture (docs/images.md). Of a mesh the hem is fitted; `hemline mesh` fits the whole surface.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  hemline fit outlines.csv > fits.csv\n  hemline fit shadow1.jpg shadow2.jpg --scale-mm-per-px 1.383\n  \
@@ -40,7 +42,7 @@ Lengths are in mm, the phase in rad. Standard errors are those of independent er
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
 )]
 pub struct Fit {
-    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz) or silhouettes (.png, .jpg, .tif, .bmp).
+    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz), silhouettes (.png, .jpg, .tif, .bmp) or meshes (.obj, .ply, .stl, .gltf, .glb).
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Fold count: auto (by evidence among 2 to 24), a number, or a range such as 4-9.
@@ -54,6 +56,8 @@ pub struct Fit {
     /// Write each silhouette with its traced outline laid over it into this folder: look whether it is right.
     #[arg(long, value_name = "DIR")]
     pub overlay: Option<PathBuf>,
+    #[command(flatten)]
+    pub frame: Frame,
     /// Take out the bias that noise has where the curve bends: on, or off for the bare least-squares optimum.
     #[arg(long, default_value = "on", value_parser = on_off, value_name = "on|off", action = clap::ArgAction::Set)]
     pub bias_correction: bool,
@@ -176,7 +180,7 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         for note in silhouette.reading.iter().chain(&silhouette.notes) {
             eprintln!("note: {}: {note}", file.display());
         }
-        let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+        let name = stem(file);
         if let Some(folder) = &args.overlay {
             // With its extension: a.png and a.jpg are two pictures.
             let whole = file.file_name().map_or_else(|| name.clone(), |whole| whole.to_string_lossy().into_owned());
@@ -185,10 +189,22 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
         }
         return Ok((vec![(name, silhouette.profile)], vec![]));
     }
+    if mesh::is_mesh(file) {
+        let hem = mesh::hem(file, &mesh::Options { frame: args.frame.meshes(), ..mesh::Options::default() })?;
+        for note in &hem.notes {
+            eprintln!("note: {}: {note}", file.display());
+        }
+        return Ok((vec![(stem(file), hem.profile)], vec![]));
+    }
     let table = table::read(file, &args.told.dialect())?;
     for note in &table.notes {
         eprintln!("note: {}: {note}", file.display());
     }
     let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
     Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
+}
+
+/// What a profile is called whose file holds only one.
+fn stem(file: &std::path::Path) -> String {
+    file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned())
 }

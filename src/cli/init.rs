@@ -280,6 +280,8 @@ const ANALYSIS: &str = r#"
 # sheets = ["run 1"]
 # [[tables.files]]              # the same keys for some files only
 #   match = "old/*.csv"
+# mesh_axis = "z"               # meshes (OBJ, PLY, STL, glTF): which direction of the file is up; found by geometry unless told
+# mesh_unit = "mm"              # unit of their coordinates, where their size does not tell
 
 # What `hemline check` holds the campaign to; theory is not asked unless a limit is set.
 [check]

@@ -4,6 +4,7 @@ pub mod check;
 pub mod fit;
 pub mod import;
 pub mod init;
+pub mod mesh;
 pub mod paper;
 mod pictures;
 pub mod predict;
@@ -43,6 +44,7 @@ struct Cli {
 enum Command {
     Run(run::Run),
     Fit(fit::Fit),
+    Mesh(mesh::Mesh),
     Predict(predict::Predict),
     Regress(regress::Regress),
     Check(check::Check),
@@ -57,6 +59,7 @@ pub fn run() -> ExitCode {
     let outcome = match cli.command.unwrap_or(Command::Run(run::Run::default())) {
         Command::Run(args) => run::run(&args),
         Command::Fit(args) => fit::run(&args),
+        Command::Mesh(args) => mesh::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::Regress(args) => regress::run(&args),
         Command::Check(args) => check::run(&args),

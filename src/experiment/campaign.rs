@@ -135,6 +135,15 @@ impl Pictures {
     }
 }
 
+/// How meshes of drapes are read, where a mesh does not say it itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Meshes {
+    /// The upward direction in the file's frame, of any length; found by geometry where it is not given.
+    pub axis: Option<[f64; 3]>,
+    /// Metres per unit of the file; told from the size where it is not given.
+    pub unit: Option<Metre>,
+}
+
 /// A response: the short name by which a campaign asks for it, and its column of the fits table, whose suffix is its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Response {
@@ -209,6 +218,8 @@ pub struct Campaign {
     pub foundation_modulus: f64,
     /// How pictures among the profile files are read; `None` where the campaign has no scale for them.
     pub pictures: Option<Pictures>,
+    /// How meshes among them are read.
+    pub meshes: Meshes,
     /// What `hemline check` holds it to.
     pub check: CheckRules,
 }

@@ -8,6 +8,7 @@ mod ordering;
 pub mod profile;
 pub mod provenance;
 pub mod specimen;
+pub mod surface;
 mod tour;
 
 pub use campaign::Campaign;

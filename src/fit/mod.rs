@@ -26,6 +26,7 @@ mod sane_curve;
 pub mod tangent_curve;
 pub mod tangent_family;
 pub mod tangent_fit;
+pub mod surface;
 mod trial;
 pub mod uncertainty;
 

@@ -6,13 +6,14 @@ use std::path::{Component, Path, PathBuf};
 use super::design::{self, DesignTable};
 use super::dialect_table::Told;
 use super::image::{self, Silhouette, is_picture};
+use super::mesh::{self, is_mesh};
 use super::store;
 use super::table::{self, Table};
 use super::{campaign_file, cells};
 use crate::error::{Error, Place};
 use crate::experiment::Quarantined;
 use crate::experiment::Source;
-use crate::experiment::campaign::Pictures;
+use crate::experiment::campaign::{Meshes, Pictures};
 use crate::experiment::{Campaign, DrapeProfile, Run};
 use crate::units::{MILLIMETRE, PERCENT};
 
@@ -54,6 +55,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         store: file.store.as_ref().map(|store| folder.join(store)),
         told: &file.tables,
         stored_beside: Vec::new(),
+        meshes: file.meshes,
         tables: BTreeMap::new(),
         quarantine,
         sources: vec![file.source.clone(), source],
@@ -86,6 +88,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         gravity: file.gravity,
         foundation_modulus: file.foundation_modulus,
         pictures: file.pictures,
+        meshes: file.meshes,
         check: file.check,
     };
     known_runs(&toml, &campaign, &quarantine)?;
@@ -154,6 +157,7 @@ struct Profiles<'a> {
     told: &'a Told,
     /// Runs whose profile is in the store and in a file of their own too.
     stored_beside: Vec<String>,
+    meshes: Meshes,
     /// Profile tables that were read; several runs may share one. A refused one keeps its reason.
     tables: BTreeMap<PathBuf, Result<Table, Quarantined>>,
     quarantine: Vec<Quarantined>,
@@ -236,7 +240,11 @@ impl Profiles<'_> {
             self.set_aside(run, row, "missing profile: there is no such file in the campaign folder", "add the file, or correct its name");
             return None;
         }
-        let profile = if is_picture(&path) { self.picture(run, row, &path) } else { self.outline(run, &path) }?;
+        let profile = match () {
+            () if is_picture(&path) => self.picture(run, row, &path),
+            () if is_mesh(&path) => self.mesh(run, &path),
+            () => self.outline(run, &path),
+        }?;
         if profile.was_scattered() {
             self.notes.push(format!("run {}: the points were not in order round the outline; the order was reconstructed", run.id));
         }
@@ -260,6 +268,21 @@ impl Profiles<'_> {
                 let profile = silhouette.profile.clone();
                 self.silhouettes.push((run.id.clone(), silhouette));
                 Some(profile)
+            }
+            Err(error) => {
+                self.quarantine.push(super::quarantine::refused(Some(run.id.clone()), path.to_path_buf(), error));
+                None
+            }
+        }
+    }
+
+    /// The hem of a mesh.
+    fn mesh(&mut self, run: &Run, path: &Path) -> Option<DrapeProfile> {
+        match mesh::hem(path, &mesh::Options { frame: self.meshes, ..mesh::Options::default() }) {
+            Ok(hem) => {
+                self.sources.push(hem.source);
+                self.notes.extend(hem.notes.iter().map(|note| format!("run {}: {note}", run.id)));
+                Some(hem.profile)
             }
             Err(error) => {
                 self.quarantine.push(super::quarantine::refused(Some(run.id.clone()), path.to_path_buf(), error));
@@ -371,7 +394,7 @@ impl Profiles<'_> {
             let mut strays: Vec<String> = entries
                 .flatten()
                 .map(|entry| entry.path())
-                .filter(|path| is_picture(path) || table::is_table(path))
+                .filter(|path| is_picture(path) || is_mesh(path) || table::is_table(path))
                 .filter(|path| !runs.iter().any(|run| self.folder.join(&run.profile) == *path))
                 .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
                 .collect();

@@ -15,7 +15,9 @@ use super::source;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
-use crate::experiment::campaign::{CameraHeight, Folds, HemLength, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish};
+use crate::experiment::campaign::{
+    CameraHeight, Folds, HemLength, Meshes, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish,
+};
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
@@ -63,6 +65,7 @@ pub(super) struct CampaignFile {
     /// What `hemline import` wrote, below the folder: profiles named like their runs.
     pub store: Option<PathBuf>,
     pub tables: Told,
+    pub meshes: Meshes,
     pub check: CheckRules,
 }
 
@@ -179,6 +182,8 @@ struct Profiles {
     file: Option<Spanned<String>>,
     #[serde(default)]
     tone: Tone,
+    mesh_axis: Option<Spanned<String>>,
+    mesh_unit: Option<Spanned<String>>,
 }
 
 /// Reads and checks `campaign.toml`.
@@ -347,6 +352,7 @@ impl Reader<'_> {
             store: self.store(&profiles.file)?,
             tables: tables.told(self)?,
             pictures: self.pictures(&profiles)?,
+            meshes: self.meshes(&profiles)?,
         })
     }
 
@@ -389,6 +395,20 @@ impl Reader<'_> {
             }
         };
         Ok(given.map(|(_, scale)| Pictures { scale, object: profiles.object, tone: profiles.tone, height }))
+    }
+
+    fn meshes(&self, profiles: &Profiles) -> Result<Meshes, Error> {
+        let refuse = |given: &Spanned<String>, key: &str, remedy: &str| {
+            Error::input(self.place(&given.span()), format!("“{key}” is “{}”", given.get_ref()), remedy)
+        };
+        let axis = profiles.mesh_axis.as_ref().map(|given| {
+            super::mesh::direction_named(given.get_ref())
+                .ok_or_else(|| refuse(given, "mesh_axis", "use x, -x, y, -y, z, -z, or a vector such as \"0,0.1,1\""))
+        });
+        let unit = profiles.mesh_unit.as_ref().map(|given| {
+            length_unit(given.get_ref()).map(Metre).ok_or_else(|| refuse(given, "mesh_unit", "use \"mm\", \"cm\", \"m\", \"um\" or \"in\""))
+        });
+        Ok(Meshes { axis: axis.transpose()?, unit: unit.transpose()? })
     }
 
     /// A number that the file gives, or `default`.

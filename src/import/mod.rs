@@ -18,6 +18,7 @@ mod expansion;
 mod header;
 pub mod image;
 mod layout;
+pub mod mesh;
 mod number;
 pub mod numbers;
 mod points;

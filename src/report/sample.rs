@@ -52,6 +52,7 @@ fn analysed() -> CampaignStudy {
         gravity: 9.81,
         foundation_modulus: 0.0,
         pictures: None,
+        meshes: Default::default(),
         check: CheckRules::usual(0.05, vec!["p_mm".into()]),
     };
     let profiles = runs.iter().map(profile).collect();
