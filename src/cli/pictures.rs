@@ -45,7 +45,8 @@ impl PictureFlags {
     /// What the flags say; `None` without a scale.
     pub fn options(&self) -> Option<Pictures> {
         let length = |millimetres: f64| Metre(millimetres * MILLIMETRE);
-        let given: [(Option<f64>, fn(Metre) -> PictureScale); 4] = [
+        type Scale = fn(Metre) -> PictureScale;
+        let given: [(Option<f64>, Scale); 4] = [
             (self.scale_mm_per_px, PictureScale::Pixel),
             (self.disc_mm, PictureScale::Disc),
             (self.bar_mm, PictureScale::Bar),

@@ -216,12 +216,11 @@ fn apart(inner: f64, outer: f64, object_is_dark: bool, contrast: f64) -> (f64, f
     (outer + sign * (sign * (inner - outer)).max(0.3 * contrast), outer)
 }
 
+/// Column and row.
+type Pixel = (usize, usize);
+
 /// Places well inside the object, and well outside it.
-fn sorted(
-    all: &[(usize, usize)],
-    [width, height]: [usize; 2],
-    share: &mut impl FnMut(usize, usize) -> f64,
-) -> (Vec<(usize, usize)>, Vec<(usize, usize)>) {
+fn sorted(all: &[(usize, usize)], [width, height]: [usize; 2], share: &mut impl FnMut(usize, usize) -> f64) -> (Vec<Pixel>, Vec<Pixel>) {
     const CLEAR: usize = 5;
     let (mut object, mut ground) = (vec![], vec![]);
     for &(x, y) in all {

@@ -15,9 +15,7 @@ impl<const N: usize> Normal<N> {
     pub fn add(&mut self, row: &[f64; N], value: f64, weight: f64) {
         for i in 0..N {
             let scaled = weight * row[i];
-            for j in 0..N {
-                self.matrix[i][j] += scaled * row[j];
-            }
+            self.matrix[i].iter_mut().zip(row).for_each(|(sum, other)| *sum += scaled * other);
             self.right[i] += scaled * value;
         }
     }
@@ -44,17 +42,16 @@ fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Opti
     let largest = matrix.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
     for k in 0..N {
         let pivot = (k..N).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs()))?;
-        // Also where something is not a number.
-        if !(1e-14 * largest < matrix[pivot][k].abs()) {
+        let size = matrix[pivot][k].abs();
+        if size.is_nan() || size <= 1e-14 * largest {
             return None;
         }
         matrix.swap(k, pivot);
         right.swap(k, pivot);
         for i in k + 1..N {
             let factor = matrix[i][k] / matrix[k][k];
-            for j in k..N {
-                matrix[i][j] -= factor * matrix[k][j];
-            }
+            let above = matrix[k];
+            matrix[i][k..].iter_mut().zip(&above[k..]).for_each(|(value, other)| *value -= factor * other);
             right[i] -= factor * right[k];
         }
     }
