@@ -10,7 +10,7 @@ use crate::fit::{HemFit, aicc, circle, orthogonal};
 use crate::numerics::least_squares;
 
 /// The three curves are compared on about so many points, spread evenly, or …
-const ENOUGH_POINTS: usize = 240;
+const ENOUGH_POINTS: usize = 180;
 /// … so many for each fold: neighbours that are closer tell nearly the same, and the work grows with their number.
 const ENOUGH_A_FOLD: usize = 20;
 
