@@ -113,7 +113,10 @@ def by_libreoffice():
 
     def new(locale):
         document = desktop.loadComponentFromURL("private:factory/scalc", "_blank", 0, (value("Hidden", True),))
-        document.StyleFamilies.getByName("CellStyles").getByName("Default").CharLocale = Locale(*locale, "")
+        formats, language = document.NumberFormats, Locale(*locale, "")
+        key = formats.queryKey("0,0000", language, False)
+        number = formats.addNew("0,0000", language) if key == -1 else key
+        document.Sheets.getByIndex(0).getCellRangeByPosition(1, 0, 40, 100).NumberFormat = number
         return document
 
     # A sheet per run, titles merged above the header, in all three kinds of workbook.

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 pub struct Place {
     pub file: PathBuf,
     /// Of a workbook.
-    pub sheet: Option<String>,
+    pub sheet: Option<Box<str>>,
     pub row: Option<usize>,
-    pub column: Option<String>,
+    pub column: Option<Box<str>>,
 }
 
 impl Place {
@@ -20,7 +20,7 @@ impl Place {
 
     /// On a sheet of a workbook; `None` where the file has no sheets.
     pub fn sheet(mut self, sheet: Option<&str>) -> Self {
-        self.sheet = sheet.map(String::from);
+        self.sheet = sheet.map(Box::from);
         self
     }
 
@@ -30,7 +30,7 @@ impl Place {
     }
 
     pub fn column(mut self, column: impl Into<String>) -> Self {
-        self.column = Some(column.into());
+        self.column = Some(column.into().into_boxed_str());
         self
     }
 }

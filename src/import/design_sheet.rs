@@ -66,6 +66,7 @@ pub(super) fn may_replace(path: &Path, bytes: &[u8]) -> bool {
 }
 
 fn field(text: &str) -> String {
-    let plain = !text.contains([',', '"', '\n', '\r', ';', '\t', '|']) && !text.starts_with(['#', '%', '/']);
+    let comment = ["#", "%", "//"].iter().any(|mark| text.starts_with(mark));
+    let plain = !comment && !text.contains([',', '"', '\n', '\r', ';', '\t', '|']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }

@@ -64,7 +64,8 @@ fn with_units_joined(cells: &[String]) -> Vec<String> {
 
 /// What stands above the header.
 pub(super) fn titles(rows: &[(usize, Vec<String>)], header: &Header) -> Vec<String> {
-    rows[..header.at].iter().flat_map(|(_, cells)| cells).filter(|cell| !cell.is_empty()).cloned().collect()
+    // `radius, cm` is one title, also in a file separated by commas.
+    rows[..header.at].iter().flat_map(|(_, cells)| with_units_joined(cells)).filter(|cell| !cell.is_empty()).collect()
 }
 
 /// Takes a row of units off the rows, refuses names that stand there twice, and says what was found above the header.

@@ -13,7 +13,15 @@ pub(super) fn refused(run: Option<String>, file: PathBuf, error: Error) -> Quara
                 Some(column) => format!("column “{column}”: {problem}"),
                 None => problem,
             };
-            Quarantined { run, file: place.file, sheet: place.sheet, row: place.row, value: String::new(), problem, remedy }
+            Quarantined {
+                run,
+                file: place.file,
+                sheet: place.sheet.map(String::from),
+                row: place.row,
+                value: String::new(),
+                problem,
+                remedy,
+            }
         }
         Error::File { path, source } if source.kind() == std::io::ErrorKind::NotFound => Quarantined {
             run,

@@ -56,7 +56,8 @@ pub fn read(folder: &Path) -> Result<Vec<SetAside>, Error> {
 
 /// Quoted where it could be taken for more than one cell, for a comment, or for nothing.
 fn field(text: &str) -> String {
-    let plain = !text.contains([',', '"', '\n', '\r', ';', '\t', '|']) && !text.starts_with(['#', '%', '/']) && text.trim() == text;
+    let comment = ["#", "%", "//"].iter().any(|mark| text.starts_with(mark));
+    let plain = !comment && !text.contains([',', '"', '\n', '\r', ';', '\t', '|']) && text.trim() == text;
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
 
