@@ -1,7 +1,7 @@
 //! Bias, standard errors and intervals of the fit, against what seeded outlines of known p, q, s do.
 //!
-//! `cargo test --release --test fit_uncertainty -- --nocapture` prints the tables; with `HEMLINE_OUTLINES=1000` in the environment every table is
-//! made from a thousand outlines, as docs/uncertainty.md has them (some minutes; without it only the first one is).
+//! `cargo test --release --test fit_uncertainty -- --nocapture` prints the tables; `HEMLINE_OUTLINES` in the environment says from
+//! how many outlines (docs/uncertainty.md: 1000, coverage 200); the hem of the claims always has a thousand.
 
 use std::f64::consts::TAU;
 
@@ -329,7 +329,7 @@ fn the_correction_is_left_out_and_the_reason_said_where_it_does_not_hold() {
 fn folds_below_the_noise_have_no_error_bars_but_an_upper_end() {
     // Eight folds are asked for, none are there: the amplitude is the length of a random vector of two components.
     let round = Hem { p: 0.2, q: 0.0, s: 0.0, folds: 8 };
-    let fits: Vec<(DrapeProfile, HemFit)> = (0..200)
+    let fits: Vec<(DrapeProfile, HemFit)> = (0..100)
         .into_par_iter()
         .map(|k| outline(&round, 180, 0.001, 7, k))
         .filter_map(|profile| {
@@ -339,10 +339,10 @@ fn folds_below_the_noise_have_no_error_bars_but_an_upper_end() {
         })
         .collect();
     let unsure: Vec<&(DrapeProfile, HemFit)> = fits.iter().filter(|(_, f)| f.q.unwrap().standard_error.is_none()).collect();
-    // A test at the 5 % level lets one in twenty through; 95 ± 3 × 1.6 % here, some more for s, which is searched too.
-    assert!(0.88 <= unsure.len() as f64 / fits.len() as f64, "{} of {}", unsure.len(), fits.len());
+    // A test at the 5 % level lets one in twenty through; 95 ± 3 × 2.2 % here, some more for s, which is searched too.
+    assert!(0.85 <= unsure.len() as f64 / fits.len() as f64, "{} of {}", unsure.len(), fits.len());
     let (mut bounded, mut mean) = (0, 0);
-    for (profile, fit) in unsure.iter().take(12) {
+    for (profile, fit) in unsure.iter().take(6) {
         let why: Vec<_> = fit.standard_error_missing.iter().map(|m| (m.unknown, m.why)).collect();
         assert_eq!(why, [Unknown::Phase, Unknown::Q, Unknown::S].map(|u| (u, WhyMissing::FoldsWithinNoise)));
         assert!(fit.p.standard_error.is_some() && fit.covariance.is_none());
@@ -361,8 +361,8 @@ fn folds_below_the_noise_have_no_error_bars_but_an_upper_end() {
             assert!(found.q.is_none() && found.s.is_none() && found.phase.is_none(), "{kind:?}");
         }
     }
-    println!("of 12 amplitudes within the noise {bounded} have an upper end; {mean} of 12 mean radii have both ends");
-    assert!(3 <= bounded && 6 <= mean, "{bounded} {mean}");
+    println!("of 6 amplitudes within the noise {bounded} have an upper end; {mean} of 6 mean radii have both ends");
+    assert!(1 <= bounded && 2 <= mean, "{bounded} {mean}");
 }
 
 #[test]
@@ -491,7 +491,7 @@ fn bootstraps_are_the_same_on_one_two_and_three_threads() {
 fn coverage_of_the_four_kinds_of_interval() {
     // As many outlines, and replicates of each, as asked; few by default, so that the tolerance is wide.
     let count = outlines(40);
-    let replicates = if 200 <= count { 400 } else { 200 };
+    let replicates = 200;
     println!("| points | σ, cm | interval | p covered, % | q, % | s, % | width of s, standard = 1 | replicates failed |");
     let cases = [(90, 0.2), (360, 0.1), (360, 0.2)];
     for (n, sigma) in if 200 <= count { &cases[..] } else { &cases[..1] } {
