@@ -21,6 +21,8 @@ const ASTRAY_WINDOW: usize = 4;
 const ASTRAY: f64 = 6.0;
 /// … and fewer than this share are: the middle of nine stays right with four of them astray, which then is rare.
 const ASTRAY_SHARE: f64 = 0.35;
+/// Points astray are outliers, not points misplaced in the list, if the third neighbours of most are this many times further off than is usual.
+const APART: f64 = 1.5;
 /// So many of the longest steps are looked at; more jumps than this make no difference to the verdict.
 const LONGEST: usize = 1000;
 /// Up to this share of jumps, an order is an order with a few misplaced points.
@@ -97,7 +99,9 @@ fn not_isolated(points: &[Point], tree: &Neighbours, astray: &[bool]) -> (Vec<us
     let mut third: Vec<f64> = near.iter().map(|d| d[2]).collect();
     let middle = third.len() / 2;
     let usual = *third.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let kept: Vec<usize> = (0..points.len()).filter(|&i| near[i][2] <= ISOLATION * usual && !astray[i]).collect();
+    let apart = (0..points.len()).filter(|&i| astray[i] && APART * usual < near[i][2]).count();
+    let outliers = astray.iter().filter(|&&a| a).count() < 2 * apart;
+    let kept: Vec<usize> = (0..points.len()).filter(|&i| near[i][2] <= ISOLATION * usual && !(outliers && astray[i])).collect();
     let half_sum = kept.iter().map(|&i| 0.5 * (near[i][0] + near[i][1])).sum();
     (kept, half_sum)
 }

@@ -73,11 +73,11 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
         return None;
     }
     let mut least = vec![(f64::INFINITY, f64::INFINITY); most as usize + 1];
-    let mut best: Option<(f64, u32, Vec<f64>, [Complex<f64>; UNKNOWNS], f64)> = None;
+    let mut best: Option<Even> = None;
     for parameter in parametrizations(points) {
         let places: Vec<(Point, f64)> = some.iter().map(|&i| (points[i], parameter[i])).collect();
         let sums = Sums::of(&places, most);
-        let mut found: Option<(f64, u32, [Complex<f64>; UNKNOWNS], f64)> = None;
+        let mut nearest: Option<Even> = None;
         for folds in 2..=most {
             let Some((lines, square)) = sums.solve(folds) else { continue };
             let values = 2.0 * places.len() as f64;
@@ -86,24 +86,23 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
             if criterion < least[folds as usize].0 {
                 least[folds as usize] = (criterion, (square / places.len() as f64).sqrt());
             }
-            if found.as_ref().is_none_or(|f| criterion < f.0) {
-                found = Some((criterion, folds, lines, (square / (values - parameters).max(1.0)).sqrt()));
+            if nearest.as_ref().is_none_or(|n| criterion < n.criterion) {
+                let noise = (square / (values - parameters).max(1.0)).sqrt();
+                nearest = Some(Even { folds, lines, parameter: Vec::new(), noise, criterion });
             }
         }
-        if let Some((criterion, folds, lines, noise)) = found
-            && best.as_ref().is_none_or(|b| criterion < b.0)
-        {
-            best = Some((criterion, folds, parameter, lines, noise));
+        if let Some(nearest) = nearest.filter(|n| best.as_ref().is_none_or(|b| n.criterion < b.criterion)) {
+            best = Some(Even { parameter, ..nearest });
         }
     }
     // As if all points had been used: the criterion grows with their number.
     let share = points.len() as f64 / some.len() as f64;
-    let (criterion, folds, parameter, lines, noise) = best?;
+    let best = best?;
     let evidence = (2..=most)
         .map(|folds| (folds, least[folds as usize]))
         .map(|(folds, (criterion, rms))| Evidence { folds, criterion: share * criterion, rms })
         .collect();
-    Some((Even { folds, lines, parameter, noise, criterion: share * criterion }, evidence))
+    Some((Even { criterion: share * best.criterion, ..best }, evidence))
 }
 
 /// Akaike's criterion corrected for few values (Hurvich & Tsai, Biometrika 76 (1989) 297–307); infinite where nothing would be left.
@@ -172,7 +171,7 @@ impl Sums {
         let unit: Vec<Complex<f64>> = places.iter().map(|(_, u)| Complex::from_polar(1.0, TAU * u)).collect();
         let mut turned = vec![Complex::new(1.0, 0.0); places.len()];
         square += centred.iter().map(|z| z.norm_sqr()).sum::<f64>();
-        for k in 0..=highest {
+        for (k, sum) in turns.iter_mut().enumerate() {
             let (mut turn, mut ahead, mut back) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
             for ((t, u), z) in turned.iter_mut().zip(&unit).zip(&centred) {
                 turn += *t;
@@ -182,7 +181,7 @@ impl Sums {
                 }
                 *t *= u;
             }
-            turns[k] = turn;
+            *sum = turn;
             for (at, value) in [(k as i64, ahead), (-(k as i64), back)] {
                 if let Some(place) = usize::try_from(at - lowest).ok().and_then(|i| products.get_mut(i)) {
                     *place = value;

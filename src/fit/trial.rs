@@ -334,7 +334,8 @@ impl<'a> Work<'a> {
     /// Where no amplitude is left the phase moves nothing, and folds a quarter further on may be nearer: a saddle, from which they are tried.
     fn orthogonal(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
         let first = self.orthogonal_from(hem, placement, feet, length, termination.clone());
-        if !(first.hem.q.abs() < FLAT * first.rms()) {
+        let flat = first.hem.q.abs() < FLAT * first.rms();
+        if !flat {
             return first;
         }
         let quarter = 0.25 * TAU / f64::from(hem.folds.max(1));
