@@ -3,29 +3,47 @@
 use std::f64::consts::{PI, TAU};
 
 use super::circle::{self, Circle};
+use super::limits::Limits;
 use super::matching::Matched;
+use super::orthogonal::UNKNOWNS;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, smooth};
+use super::robust;
 use super::start::{Start, matched};
 use super::trial::{Reached, Trial, Work};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
-use crate::numerics::least_squares;
+use crate::numerics::least_squares::{self, Loss, State};
 
 /// What to fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     pub folds: Folds,
     pub length: HemLength,
     /// The hem's length where the cut is known, 2πR_n, m: what [`HemLength::Auto`] holds to. The outline's own smoothed length otherwise.
     pub cut_length: Option<f64>,
     pub solver: least_squares::Options,
+    /// Unknowns that are held or bounded.
+    pub limits: Limits,
+    /// Weight of each point in the order of the profile's points ([`DrapeProfile::source_index`] leads there from the input), 1/variance of its
+    /// distance up to a common factor; a point of weight 0 does not count. `None`: all alike.
+    pub weights: Option<Vec<f64>>,
+    /// What is summed over the distances: squares, or a loss that forgives gross errors.
+    pub loss: Loss,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { folds: Folds::default(), length: HemLength::Auto, cut_length: None, solver: least_squares::Options::default() }
+        Options {
+            folds: Folds::default(),
+            length: HemLength::Auto,
+            cut_length: None,
+            solver: least_squares::Options::default(),
+            limits: Limits::default(),
+            weights: None,
+            loss: Loss::Squares,
+        }
     }
 }
 
@@ -50,6 +68,10 @@ const CONTENDER: f64 = 1.05;
 /// [`Error::Unanswerable`] if the points cannot show the fold count asked for, or if no fold count gives a sane curve.
 pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let points = profile.points();
+    robust::check(points.len(), options)?;
+    if robust::concerns(options) {
+        return robust::fit(profile, options);
+    }
     let (from, to) = match options.folds {
         Folds::Among { from, to } => (from.max(2), to),
         Folds::Exactly(m) => (m, m),
@@ -64,7 +86,7 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     }
     let to = to.min(seen);
     let outline = smooth(profile);
-    let work = Work::new(points, &outline, options);
+    let work = Work::new(points, &outline, options).weighing(options.weights.iter().flatten().copied());
     let round = circle::fit(points);
     let mut trials = work_through(&work, SCREENING_POINTS, from..=to);
     if !trials.iter().any(Trial::sane) {
@@ -83,14 +105,14 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
         )));
     };
     let notes = notes(options, &outline, &work, points.len(), seen);
-    Ok(outcome(best, candidates, &round, &outline, evaluations, notes))
+    Ok(outcome(best, candidates, &round, &outline, evaluations, notes, &options.limits))
 }
 
 /// Every fold count tried, ascending: on about `enough` points, the best of them then on all.
 fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>) -> Vec<Trial> {
     let stride = work.points.len() / enough.max(8 * *folds.end() as usize);
     let fewer: Vec<Point> = work.points.iter().copied().step_by(stride.max(1)).collect();
-    let screening = Work::new(&fewer, work.outline, work.options);
+    let screening = Work::new(&fewer, work.outline, work.options).weighing(work.weights.iter().copied().step_by(stride.max(1)));
     // The nearest match first: what it reaches tells which of the others can still compete.
     let mut starts: Vec<Start> = folds.map(|m| matched(work.outline, m)).collect();
     starts.sort_by(|a, b| a.rms.total_cmp(&b.rms));
@@ -186,6 +208,17 @@ fn notes(options: &Options, outline: &Outline, work: &Work, points: usize, seen:
     notes
 }
 
+/// Bounds at which the fit came to rest, in words.
+pub(super) fn bounds_met(states: &[State; 6]) -> impl Iterator<Item = String> {
+    let end = |state: &State| match state {
+        State::AtLower => Some("lower"),
+        State::AtUpper => Some("upper"),
+        State::Free | State::Fixed => None,
+    };
+    let met = UNKNOWNS.iter().zip(states).filter_map(move |(name, state)| Some((name, end(state)?)));
+    met.map(|(name, end)| format!("{name} is at its {end} bound; the other standard errors hold while it stays there"))
+}
+
 fn outcome(
     best: Trial,
     candidates: Vec<Candidate>,
@@ -193,16 +226,18 @@ fn outcome(
     outline: &Outline,
     evaluations: usize,
     mut notes: Vec<String>,
+    limits: &Limits,
 ) -> HemFit {
     let rms = best.rms();
     let weight = candidates.iter().find(|c| c.folds == best.folds).and_then(|c| c.weight).unwrap_or(0.0);
-    let (hem, placement) = best.hem.canonical(best.placement);
+    let canonical = limits.allow_canonical_form();
+    let (hem, placement) = if canonical { best.hem.canonical(best.placement) } else { (best.hem, best.placement) };
     // Canonical form moves the crest, and with it the origin of t.
-    let turned = best.placement.phase - placement.phase + if best.hem.p < 0.0 { PI } else { 0.0 };
+    let turned = best.placement.phase - placement.phase + if canonical && best.hem.p < 0.0 { PI } else { 0.0 };
     let feet = best.feet.iter().map(|t| (t + turned).rem_euclid(TAU)).collect();
     let covariance = match best.covariance {
         // q → −q turns its covariances with p and s.
-        Ok(c) if (best.hem.q < 0.0) != (best.hem.p < 0.0) => {
+        Ok(c) if canonical && (best.hem.q < 0.0) != (best.hem.p < 0.0) => {
             Some(std::array::from_fn(|i| std::array::from_fn(|j| if (i == 1) != (j == 1) { -c[i][j] } else { c[i][j] })))
         }
         Ok(c) => Some(c),
@@ -211,7 +246,9 @@ fn outcome(
             None
         }
     };
-    let [p, q, s] = [0, 1, 2].map(|i| covariance.map(|c: [[f64; 3]; 3]| c[i][i].max(0.0).sqrt()));
+    let moved = |i: usize| best.states[i + 3] == State::Free;
+    let [p, q, s] = [0, 1, 2].map(|i| covariance.filter(|_| moved(i)).map(|c: [[f64; 3]; 3]| c[i][i].max(0.0).sqrt()));
+    notes.extend(bounds_met(&best.states));
     let folded = best.folds != 0;
     if folded && q.is_some_and(|se| hem.q < 2.0 * se) {
         notes.push("the fold amplitude is within two standard errors of zero: phase and fold count are hardly determined".into());
@@ -233,6 +270,8 @@ fn outcome(
         explained: (1.0 - best.sum_of_squares / round.sum_of_squares).clamp(0.0, 1.0),
         held: best.held,
         termination: best.termination,
+        states: best.states,
+        robust: None,
         distances: best.distances,
         hem,
         placement,

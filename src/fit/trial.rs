@@ -6,7 +6,7 @@ use super::circle::Circle;
 use super::folds::Options;
 use super::foot_point::{Foot, centred, nearest_within};
 use super::matching::{self, Matched, stretched, warped};
-use super::orthogonal::{self, Fitted, UNKNOWNS};
+use super::orthogonal::{self, Conditions, Fitted, UNKNOWNS};
 use super::outcome::{HeldLength, Rule, Termination};
 use super::outline::{Outline, fractions};
 use super::rules::{Evidence, LENGTH_SLACK, broken};
@@ -14,7 +14,7 @@ use super::start::{LengthTable, Start};
 use crate::experiment::Point;
 use crate::experiment::campaign::HemLength;
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::least_squares::{self, covariance};
+use crate::numerics::least_squares::{self, State, covariance};
 
 /// Below this share of the radius a match by equal lengths is near enough to start from; beyond it folds drift apart and are warped.
 const CLOSE_MATCH: f64 = 0.03;
@@ -49,6 +49,8 @@ pub(super) struct Trial {
     /// Covariance of (p, q, s), m², or why there is none.
     pub covariance: Result<[[f64; 3]; 3], String>,
     pub evaluations: usize,
+    /// What became of each unknown.
+    pub states: [State; 6],
     /// The match itself, where that is what is reported.
     pub matched: Option<Matched>,
 }
@@ -72,6 +74,7 @@ impl Trial {
             broken: (TAU * round.radius * (1.0 + LENGTH_SLACK) < outline.length).then_some(Rule::Length),
             covariance: Ok([[round.radius_error * round.radius_error, 0.0, 0.0], [0.0; 3], [0.0; 3]]),
             evaluations: 1,
+            states: [State::Free; 6],
             matched: None,
         }
     }
@@ -107,6 +110,7 @@ impl Trial {
             broken: None,
             covariance: Err("not fitted".into()),
             evaluations: 0,
+            states: [State::Free; 6],
             matched: None,
         }
     }
@@ -149,12 +153,21 @@ pub(super) struct Work<'a> {
     fractions: Vec<f64>,
     pub outline: &'a Outline,
     pub options: &'a Options,
+    /// Weight of each point, of mean 1; empty where all are alike.
+    pub weights: Vec<f64>,
 }
 
 impl<'a> Work<'a> {
     pub(super) fn new(points: &'a [Point], outline: &'a Outline, options: &'a Options) -> Self {
         let (fractions, _) = fractions(points);
-        Work { points, fractions, outline, options }
+        Work { points, fractions, outline, options, weights: Vec::new() }
+    }
+
+    /// The same with these weights of the points.
+    pub(super) fn weighing(self, weights: impl Iterator<Item = f64>) -> Self {
+        let weights: Vec<f64> = weights.collect();
+        let mean = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
+        Work { weights: weights.into_iter().map(|w| w / mean).collect(), ..self }
     }
 
     /// The same curve fitted to these points: from a trial of fewer points of the same outline.
@@ -253,7 +266,7 @@ impl<'a> Work<'a> {
             }
         }
         let rule = last.as_ref().and_then(|t| t.broken);
-        if self.options.length == HemLength::Free {
+        if self.options.length == HemLength::Free || last.is_some() && self.options.limits.shape_is_held() {
             return Trial { evaluations, ..last.expect("a free fit was tried") };
         }
         let held = match rule {
@@ -276,6 +289,10 @@ impl<'a> Work<'a> {
         if again.broken.is_none() {
             return Trial { evaluations, ..again };
         }
+        if !self.options.limits.none() {
+            // A match in order knows nothing of limits.
+            return Trial { evaluations, ..again };
+        }
         let in_order = self.in_order(ordered, trial.broken.expect("just seen"));
         Trial { evaluations, ..in_order }
     }
@@ -295,11 +312,12 @@ impl<'a> Work<'a> {
     }
 
     fn orthogonal(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
-        let fitted = orthogonal::fit(self.points, hem, placement, feet, length, self.length(), &self.options.solver)
-            .expect("a profile has more points than the curve has unknowns");
-        let Fitted { hem, placement, feet, summary, evaluations } = fitted;
+        let conditions = Conditions { length, outline_length: self.length(), weights: &self.weights, limits: &self.options.limits };
+        let fitted = orthogonal::fit_under(self.points, hem, placement, feet, &conditions, &self.options.solver)
+            .expect("a profile has more points than the curve has unknowns, and limits are checked");
+        let Fitted { hem, placement, feet, distances, summary, evaluations } = fitted;
         let broken = if summary.parameters.iter().all(|v| v.is_finite()) && summary.termination != least_squares::Termination::Abandoned {
-            self.broken(&hem, &placement, &feet, &summary.residuals)
+            self.broken(&hem, &placement, &feet, &distances)
         } else {
             Some(Rule::Length)
         };
@@ -319,13 +337,14 @@ impl<'a> Work<'a> {
             offset: self.offset(&hem, &feet),
             feet,
             sum_of_squares: summary.sum_of_squares,
-            distances: summary.residuals,
-            parameters: UNKNOWNS.len() - usize::from(length.is_some()),
+            distances,
+            parameters: orthogonal::free(&summary.states).saturating_sub(usize::from(length.is_some())),
             held,
             termination,
             broken,
             covariance,
             evaluations,
+            states: std::array::from_fn(|j| summary.states[j]),
             matched: None,
         }
     }
@@ -367,6 +386,7 @@ impl<'a> Work<'a> {
             broken,
             covariance: Err(reason),
             evaluations: 0,
+            states: [State::Free; 6],
             matched: Some(matched),
         }
     }
