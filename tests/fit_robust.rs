@@ -77,8 +77,9 @@ fn fitted(points: &[Point], options: &Options) -> HemFit {
 
 #[test]
 fn a_fifth_of_gross_errors_leaves_p_q_s_within_two_percent_under_every_robust_loss() {
-    for gross in [Gross::Anywhere, Gross::Thrown, Gross::Outward, Gross::Inward] {
+    for gross in [Gross::Outward, Gross::Inward, Gross::Anywhere, Gross::Thrown] {
         for seed in 0..2 {
+            println!("{gross:?} {seed}");
             let mut generator = ChaCha8Rng::seed_from_u64(seed);
             let mut points = measured(&HEM, 360, 0.0005, &mut generator);
             let spoiled = spoil(&mut points, 0.2, gross, &mut generator);

@@ -17,3 +17,6 @@ mod trial;
 pub use folds::{Options, fit};
 pub use limits::Limits;
 pub use outcome::{Candidate, Estimate, HeldLength, HemFit, RobustOutcome, Rule, Termination};
+
+// The words in which a fit is asked, for those who may not look into the numerics.
+pub use crate::numerics::least_squares::{Limit, Loss};

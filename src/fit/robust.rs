@@ -24,15 +24,15 @@ const NEIGHBOURS: usize = 4;
 /// middle point is nearer than its neighbours are, at a sharp
 /// crest as far as they are.
 const ASIDE: f64 = 2.5;
-/// A foot may slip along the curve by this share of its length, and by half of what its neighbours' feet do: a third of what the rule of order
+/// A foot may slip along the curve by this share of its length, and by half of what its neighbours' feet do: a fifth of what the rule of order
 /// allows.
-const SLIP: f64 = 0.003;
+const SLIP: f64 = 0.002;
 /// Passes of that.
 const PASSES: usize = 3;
 /// Where the input has no order: a point whose third neighbour is so many times further off than is usual is set aside at first.
 const ISOLATED: f64 = 3.0;
-/// Points within so many scales of the curve are sound; a normal error is beyond once in two million.
-const SOUND: f64 = 5.0;
+/// Points within so many scales of the curve are sound; a normal error is beyond once in two thousand.
+const SOUND: f64 = 3.5;
 /// Rounds of choosing the sound points; after the second hardly a point changes sides.
 const ROUNDS: usize = 6;
 
@@ -88,7 +88,7 @@ pub(super) fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, E
         }
         let changed = next.iter().zip(&sound).filter(|(a, b)| a != b).count();
         let enough = FEWEST_POINTS.max(points.len() / 4) <= next.iter().filter(|&&s| s).count();
-        if enough && ROUNDS > round && points.len() / 200 < changed {
+        if enough && ROUNDS > round && (if start.fit.termination == Termination::Converged { points.len() / 200 } else { 0 }) < changed {
             sound = next;
             continue;
         }
