@@ -80,7 +80,8 @@ pub(super) fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, E
         let scale = median_scale(&weighted, &prior);
         // Rounding of the coordinates: where the sound points lie on the curve exactly, none of them is to be lost.
         let near = (SOUND * scale).max(1e-9 * start.outline.radius);
-        let mut next: Vec<bool> = (0..points.len()).map(|i| counts(i) && weighted[i].abs() <= near).collect();
+        let counted: Vec<bool> = (0..points.len()).map(|i| counts(i) && weighted[i].abs() <= near).collect();
+        let mut next = counted.clone();
         if ordered {
             // A gross error may come to lie on the curve, but hardly where its neighbours are.
             let near = in_order(points, in_input_order(profile).into_iter().filter(|&i| next[i]).collect());
@@ -92,8 +93,8 @@ pub(super) fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, E
             sound = next;
             continue;
         }
-        let Ordinary { fit, outline, kept } = start;
-        return Ok(finished(points, HemFit { evaluations, ..fit }, &Setting { outline, kept, sound, prior, options }));
+        let Ordinary { fit, outline, kept, order } = start;
+        return Ok(finished(points, HemFit { evaluations, ..fit }, &Setting { outline, kept, order, counted, prior, options }));
     }
     unreachable!("the last round returns")
 }
@@ -104,8 +105,10 @@ struct Setting<'a> {
     outline: Outline,
     /// The sound points, in order.
     kept: Vec<Point>,
-    /// Which points these are.
-    sound: Vec<bool>,
+    /// Which points of the profile these are, in their order: the profile's own may be spoiled by the gross errors.
+    order: Vec<usize>,
+    /// The points near the curve, these and some whose order is in doubt: those that enter the fit under the loss.
+    counted: Vec<bool>,
     /// Weights of all points, of mean one; empty where all are alike.
     prior: Vec<f64>,
     options: &'a Options,
@@ -116,8 +119,9 @@ struct Ordinary {
     /// With feet and distances of all points: those of the others are the nearest anywhere on the curve.
     fit: HemFit,
     outline: Outline,
-    /// The sound points, in order.
+    /// The sound points, in order round the outline, and which points of the profile they are.
     kept: Vec<Point>,
+    order: Vec<usize>,
 }
 
 fn ordinary(profile: &DrapeProfile, sound: &[bool], options: &Options) -> Result<Ordinary, Error> {
@@ -141,7 +145,8 @@ fn ordinary(profile: &DrapeProfile, sound: &[bool], options: &Options) -> Result
             })
         })
         .unzip();
-    Ok(Ordinary { fit: HemFit { feet, distances, ..fit }, outline: smooth(&sounder), kept: sounder.points().to_vec() })
+    let order = sounder.source_index().iter().map(|&i| chosen[i]).collect();
+    Ok(Ordinary { fit: HemFit { feet, distances, ..fit }, outline: smooth(&sounder), kept: sounder.points().to_vec(), order })
 }
 
 /// Indices of the profile's points in the order in which they were given.
@@ -160,36 +165,38 @@ fn finished(points: &[Point], start: HemFit, setting: &Setting) -> HemFit {
     if start.folds.is_none() || !free && held.is_none() {
         // A circle, or a match in order: no minimum of the orthogonal distance to be weighed anew. The points are judged by it all the same.
         let note = format!("{loss} chose the points; the curve is that of an ordinary fit to the sound ones");
-        return judged(start, prior, loss, note);
+        return judged(start, &setting.prior, loss, note);
     }
+    // Under Huber's loss gross errors on one side still pull, each as much as one at 1.345 scales: those set aside stay aside.
+    let among_sound: Vec<f64> =
+        setting.counted.iter().enumerate().map(|(i, sound)| if *sound { prior.get(i).copied().unwrap_or(1.0) } else { 0.0 }).collect();
+    let prior = &among_sound;
     let conditions = Conditions { length: held, outline_length: start.outline_length, weights: prior, limits: &options.limits };
     let fitted = fit_robustly(points, start.hem, start.placement, start.feet.clone(), &conditions, loss, &options.solver);
-    let (hem, placement, new_feet, robust) = match fitted {
+    let (hem, placement, new_feet, mut robust) = match fitted {
         Ok(fitted) => fitted,
         Err(reason) => {
             let note = format!("not fitted under {loss} ({reason}); the curve is that of an ordinary fit to the sound points");
-            return judged(start, prior, loss, note);
+            return judged(start, &setting.prior, loss, note);
         }
     };
     let spent = start.evaluations + robust.summary.evaluations;
-    if let Some(rule) = rule_broken(points, &hem, &placement, &new_feet, &robust, setting, held.unwrap_or(start.outline_length)) {
+    if let Some(rule) = rule_broken(&hem, &placement, &new_feet, &robust, setting, held.unwrap_or(start.outline_length)) {
         let note = format!("under {loss} the curve breaks a rule ({rule:?}); it is that of an ordinary fit to the sound points");
-        return judged(HemFit { evaluations: spent, ..start }, prior, loss, note);
+        return judged(HemFit { evaluations: spent, ..start }, &setting.prior, loss, note);
     }
-    weighed(points, start, (hem, placement, new_feet), robust, spent, setting)
+    for (weight, sound) in robust.weights.iter_mut().zip(&setting.counted) {
+        if !sound {
+            *weight = 0.0;
+        }
+    }
+    robust.downweighted = robust.weights.iter().filter(|&&w| w < DOWNWEIGHTED).count();
+    weighed(points, start, (hem, placement, new_feet), robust, spent, setting, prior)
 }
 
 /// The rule that a curve breaks by the points that count.
-fn rule_broken(
-    points: &[Point],
-    hem: &Hem,
-    placement: &Placement,
-    feet: &[f64],
-    robust: &Robust,
-    setting: &Setting,
-    length: f64,
-) -> Option<Rule> {
-    let counted: Vec<usize> = (0..points.len()).filter(|&i| DOWNWEIGHTED <= robust.weights[i] && setting.sound[i]).collect();
+fn rule_broken(hem: &Hem, placement: &Placement, feet: &[f64], robust: &Robust, setting: &Setting, length: f64) -> Option<Rule> {
+    let counted: Vec<usize> = setting.order.iter().copied().filter(|&i| DOWNWEIGHTED <= robust.weights[i]).collect();
     let distances: Vec<f64> = counted.iter().map(|&i| robust.summary.residuals[i]).collect();
     let feet: Vec<f64> = counted.iter().map(|&i| feet[i]).collect();
     if feet.len() < FEWEST_POINTS {
@@ -208,8 +215,9 @@ fn weighed(
     robust: Robust,
     evaluations: usize,
     setting: &Setting,
+    prior: &[f64],
 ) -> HemFit {
-    let (prior, options) = (&setting.prior, setting.options);
+    let options = setting.options;
     let mut notes = start.notes.clone();
     notes.retain(|note| !note.starts_with("no standard errors") && !note.contains("bound;"));
     let covariance = match robust.covariance(options.loss, prior, &UNKNOWNS) {
