@@ -31,9 +31,9 @@ fn main() {
     let profiles: Vec<DrapeProfile> = outlines.iter().map(|points| DrapeProfile::new(points).expect("a closed outline")).collect();
     let free = Options { length: HemLength::Free, ..Options::default() };
     for (name, options) in [
-        ("m given", Options { folds: Folds::Exactly(8), ..free }),
-        ("m unknown, 2 to 24", Options { folds: Folds::default(), ..free }),
-        ("m unknown, 2 to 60", Options { folds: Folds::Among { from: 2, to: 60 }, ..free }),
+        ("m given", Options { folds: Folds::Exactly(8), ..free.clone() }),
+        ("m unknown, 2 to 24", Options { folds: Folds::default(), ..free.clone() }),
+        ("m unknown, 2 to 60", Options { folds: Folds::Among { from: 2, to: 60 }, ..free.clone() }),
     ] {
         let (mut evaluations, mut square) = (0, 0.0);
         let milliseconds = median(repeats, || {

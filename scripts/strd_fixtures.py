@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Transcribes NIST StRD data and certified values into tests/fixtures/strd.json.
+"""Transcribes NIST StRD data and certified values into tests/fixtures/strd.json and strd_nonlinear.json.
 
-Usage: scripts/strd_fixtures.py FOLDER   (FOLDER holds linear/*.dat and anova/*.dat from https://www.itl.nist.gov/div898/strd/)
+Usage: scripts/strd_fixtures.py FOLDER   (FOLDER holds linear/*.dat, anova/*.dat and nonlinear/*.dat from https://www.itl.nist.gov/div898/strd/)
 Python 3.9 or later, standard library only. The numbers are facts published by NIST (public domain); they are kept as the decimal strings of
 the source so that no digit is lost. The nine SmLs sets follow one rule (Simon & Lesage 1989); the rule is stored after checking every value.
 """
@@ -85,6 +85,28 @@ def anova(path):
     }
 
 
+def nonlinear(path):
+    text = path.read_text()
+    lines = text.splitlines()
+    a, b = span(text, "Certified Values")
+    certified = "\n".join(lines[a : b + 12])
+    row = rf"^\s*b\d+\s*=\s+({NUMBER})\s+({NUMBER})\s+({NUMBER})\s+({NUMBER})\s*$"
+    parameters = re.findall(row, certified, re.M)
+    a, b = span(text, "Data")
+    rows = [line.split() for line in lines[a:b] if line.strip()]
+    return {
+        "name": path.stem,
+        "starts": [[p[0] for p in parameters], [p[1] for p in parameters]],
+        "parameters": [p[2] for p in parameters],
+        "standard_deviations": [p[3] for p in parameters],
+        "sum_of_squares": re.search(rf"Residual Sum of Squares:\s+({NUMBER})", text).group(1),
+        "residual_standard_deviation": re.search(rf"Residual Standard Deviation:\s+({NUMBER})", text).group(1),
+        "degrees_of_freedom": int(re.search(r"Degrees of Freedom:\s+(\d+)", text).group(1)),
+        "y": [row[0] for row in rows],
+        "x": [row[1:] for row in rows],
+    }
+
+
 fixture = {
     "source": "NIST Statistical Reference Datasets, https://www.itl.nist.gov/div898/strd/ (public domain)",
     "linear": [linear(p) for p in sorted((folder / "linear").glob("*.dat"))],
@@ -94,4 +116,9 @@ fixture = {
 sets = {key: "[\n" + ",\n".join(json.dumps(item) for item in fixture[key]) + "\n]" for key in ("linear", "anova")}
 out.parent.mkdir(parents=True, exist_ok=True)
 out.write_text(f'{{"source": {json.dumps(fixture["source"])},\n"linear": {sets["linear"]},\n"anova": {sets["anova"]}}}\n')
+beside = out.with_name("strd_nonlinear.json")
+sets = [nonlinear(p) for p in sorted((folder / "nonlinear").glob("*.dat"))]
+rows = ",\n".join(json.dumps(item) for item in sets)
+beside.write_text(f'{{"source": {json.dumps(fixture["source"])},\n"nonlinear": [\n{rows}\n]}}\n')
+print(beside, beside.stat().st_size, "bytes")
 print(out, out.stat().st_size, "bytes")

@@ -626,7 +626,9 @@ mod imports {
                         if column == 1 {
                             sheet.write_number(row, 0, run).expect("a cell");
                         }
-                        xy(run, a).iter().zip(column..).for_each(|(v, c)| drop(sheet.write_number(row, c, *v).expect("a cell")));
+                        xy(run, a).iter().zip(column..).for_each(|(v, c)| {
+                            sheet.write_number(row, c, *v).expect("a cell");
+                        });
                         row += 1;
                     }
                 }
@@ -634,7 +636,9 @@ mod imports {
             match name.strip_prefix("run ") {
                 Some(run) => points(&[run.parse().expect("a number")], 0),
                 None if name == "Profiles" => points(&[1, 2, 3, 4], 1),
-                None if name == "Design" => (1..=4).for_each(|row| drop(sheet.write_number(row, 3, 150).expect("a cell"))),
+                None if name == "Design" => (1..=4).for_each(|row| {
+                    sheet.write_number(row, 3, 150).expect("a cell");
+                }),
                 None => (),
             }
         }

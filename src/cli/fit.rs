@@ -15,7 +15,7 @@ use crate::experiment::DrapeProfile;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::fit::intervals::Kind;
 use crate::fit::lambda::Lambda;
-use crate::fit::{self, HemFit};
+use crate::fit::{self, HemFit, Limit, Limits, Loss};
 use crate::import::image;
 use crate::import::mesh;
 use crate::import::table;
@@ -24,6 +24,7 @@ use crate::report::table::{FitRow, fits};
 use crate::report::words;
 use crate::study::intervals::{self, intervals};
 use crate::study::irregular::{Irregular, irregular};
+use crate::units::CENTIMETRE;
 
 /// Fit the hem curve to measured drape profiles; one row per profile on stdout.
 ///
@@ -73,6 +74,15 @@ pub struct Fit {
     /// Seed of a bootstrap: the same seed gives the same numbers, on any number of threads.
     #[arg(long, default_value = "1", value_name = "N")]
     pub seed: u64,
+    /// What is summed over the distances: l2 (least squares), or huber, tukey, cauchy, which forgive gross errors.
+    #[arg(long, default_value = "l2", value_parser = loss, value_name = "l2|huber|tukey|cauchy")]
+    pub loss: Loss,
+    /// Hold an unknown: p, q, s, x0, y0 in cm, phase in rad, such as s=0. May be repeated.
+    #[arg(long, value_parser = fixed, value_name = "NAME=VALUE")]
+    pub fix: Vec<(String, Limit)>,
+    /// Keep an unknown between bounds, such as q=0..5 (cm; phase in rad); an end left out is no bound. May be repeated.
+    #[arg(long, value_parser = bounded, value_name = "NAME=LOW..HIGH")]
+    pub bound: Vec<(String, Limit)>,
     /// What to print: fits, one row per profile; models, the paper's curve, equal folds of any shape and a free outline side by side, with the test of lack of
     /// fit; folds, one row per fold of each outline.
     #[arg(long, default_value = "fits", value_name = "fits|models|folds")]
@@ -115,8 +125,14 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
             }
         }
     }
-    let options =
-        fit::Options { folds: args.folds, length: args.hem_length_cm, bias_correction: args.bias_correction, ..fit::Options::default() };
+    let options = fit::Options {
+        folds: args.folds,
+        length: args.hem_length_cm,
+        bias_correction: args.bias_correction,
+        limits: limits(args)?,
+        loss: args.loss,
+        ..fit::Options::default()
+    };
     let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
     let results: Vec<Result<HemFit, String>> = profiles
         .par_iter()
@@ -163,6 +179,66 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         return Ok(ExitCode::from(2));
     }
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Parses the name of a loss.
+fn loss(text: &str) -> Result<Loss, String> {
+    match text {
+        "l2" => Ok(Loss::Squares),
+        "huber" => Ok(Loss::HUBER),
+        "tukey" => Ok(Loss::TUKEY),
+        "cauchy" => Ok(Loss::CAUCHY),
+        _ => Err("l2, huber, tukey or cauchy".into()),
+    }
+}
+
+/// Parses `s=0`.
+fn fixed(text: &str) -> Result<(String, Limit), String> {
+    let (name, value) = unknown(text)?;
+    Ok((name.to_string(), Limit::At(quantity(name, value)?)))
+}
+
+/// Parses `q=0..5`, `q=..5` or `q=0..`.
+fn bounded(text: &str) -> Result<(String, Limit), String> {
+    let (name, range) = unknown(text)?;
+    let (low, high) = range.split_once("..").ok_or("bounds are written LOW..HIGH, such as q=0..5")?;
+    let end = |text: &str, none: f64| if text.trim().is_empty() { Ok(none) } else { quantity(name, text) };
+    let limit = Limit::Between(end(low, f64::NEG_INFINITY)?, end(high, f64::INFINITY)?);
+    limit.check(name).map_err(|_| "the lower bound must be below the upper one".to_string())?;
+    Ok((name.to_string(), limit))
+}
+
+/// The name of an unknown, and what stands after the equals sign.
+fn unknown(text: &str) -> Result<(&str, &str), String> {
+    let (name, value) = text.split_once('=').ok_or("an unknown and its value are written NAME=VALUE, such as s=0")?;
+    let name = name.trim();
+    if Limits::default().of(name).is_none() {
+        return Err(format!("there is no unknown “{name}”; there are p, q, s, x0, y0 and phase"));
+    }
+    Ok((name, value))
+}
+
+/// A length in cm, or an angle in rad.
+fn quantity(name: &str, text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("“{text}” is no number"))?;
+    if !value.is_finite() {
+        return Err(format!("“{text}” is no finite number"));
+    }
+    Ok(if name == "phase" { value } else { value * CENTIMETRE })
+}
+
+/// The limits asked for.
+fn limits(args: &Fit) -> Result<Limits, Error> {
+    let mut limits = Limits::default();
+    for (name, limit) in args.fix.iter().chain(&args.bound) {
+        let place = limits.of(name).expect("names are checked as they are parsed");
+        if *place != Limit::Free {
+            return Err(Error::Unanswerable(format!("{name} is fixed or bounded twice")));
+        }
+        *place = *limit;
+    }
+    limits.check()?;
+    Ok(limits)
 }
 
 /// The profiles of one file, and what was set aside, in sentences.

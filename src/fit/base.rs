@@ -1,9 +1,11 @@
 //! A finished fit as a place to go on from: its curve, what is local at every foot, and what its distances have been shifted by.
 
+use super::bias::{BiasCorrection, Uncorrected};
 use super::estimating::{Linearized, Unknowns, linearize};
 use super::outcome::{HemFit, Termination};
 use super::uncertainty::{WhyMissing, residuals};
 use crate::experiment::Point;
+use crate::numerics::least_squares::State;
 
 /// The root that a fit has reached.
 pub(super) struct Base<'a> {
@@ -29,6 +31,10 @@ pub(super) fn base<'a>(points: &'a [Point], fit: &HemFit) -> Result<Base<'a>, Wh
         Termination::Stalled | Termination::EvaluationLimit => return Err(WhyMissing::NotConverged),
         Termination::Converged | Termination::HeldLength { .. } | Termination::LengthAsAsked | Termination::NoFolds => (),
     }
+    // Replicates and likelihoods are those of points that count alike.
+    if fit.bias_correction == BiasCorrection::Left(Uncorrected::Weighted) {
+        return Err(WhyMissing::Weighted);
+    }
     let unknowns = [fit.placement.x0, fit.placement.y0, fit.placement.phase, fit.hem.p, fit.hem.q, fit.hem.s];
     let folds = fit.hem.folds;
     let at = linearize(points, &unknowns, folds, &fit.feet).ok_or(WhyMissing::NotDetermined)?;
@@ -42,7 +48,7 @@ pub(super) fn base<'a>(points: &'a [Point], fit: &HemFit) -> Result<Base<'a>, Wh
         at,
         residuals,
         shift,
-        free: [true, true, !round, true, !round, !round],
+        free: std::array::from_fn(|j| [true, true, !round, true, !round, !round][j] && fit.states[j] == State::Free),
         length: fit.held.map(|held| held.length),
         corrected: fit.bias_correction.applied().is_some(),
     })

@@ -10,6 +10,7 @@ use super::orthogonal::curve;
 use super::outcome::{HeldLength, Termination};
 use super::trial::{Trial, Work};
 use crate::model::hem::Hem;
+use crate::numerics::least_squares::State;
 
 /// σ̂·max|κ| beyond which ½σ²κ is no longer the mean shift: the next term of the expansion is of relative size (σκ)², here a quarter. Measured at 0.45
 /// it still leaves a quarter of a standard error of s, of 1.6 without it (docs/uncertainty.md).
@@ -60,6 +61,8 @@ pub enum Uncorrected {
     NoRoot,
     /// The corrected curve would break a rule that the uncorrected one keeps.
     BreaksRule,
+    /// Points of different weight are not shifted alike.
+    Weighted,
 }
 
 /// Whether bends are too sharp for the correction: `bend` is σ̂·max|κ|.
@@ -77,6 +80,7 @@ impl Uncorrected {
             Uncorrected::SharpBends => "sharp_bends",
             Uncorrected::NoRoot => "no_root",
             Uncorrected::BreaksRule => "breaks_rule",
+            Uncorrected::Weighted => "weighted",
         }
     }
 
@@ -89,6 +93,7 @@ impl Uncorrected {
             Uncorrected::SharpBends => "the curve bends as narrowly as the noise is wide",
             Uncorrected::NoRoot => "the corrected equations have no root near the optimum",
             Uncorrected::BreaksRule => "the corrected curve would break a rule of a sane outline",
+            Uncorrected::Weighted => "the points have weights, so noise has not shifted them alike",
         }
     }
 }
@@ -108,6 +113,9 @@ pub(super) fn correct(trial: Trial, work: &Work, asked: bool) -> (Trial, BiasCor
     if !asked {
         return (trial, BiasCorrection::Left(Uncorrected::Off));
     }
+    if !work.weights.is_empty() {
+        return (trial, BiasCorrection::Left(Uncorrected::Weighted));
+    }
     match trial.termination {
         Termination::NoFolds => round(trial, work),
         Termination::InOrder { .. } | Termination::NotPursued => (trial, BiasCorrection::Left(Uncorrected::InOrder)),
@@ -123,7 +131,7 @@ fn folded(trial: Trial, work: &Work) -> (Trial, BiasCorrection) {
         counts: None,
         folds: trial.folds,
         length: trial.held.map(|held| held.length),
-        free: [true; 6],
+        free: trial.states.map(|state| state == State::Free),
         shift: Shift::Curvature,
         tolerance: TOLERANCE,
         gain: 0.0,

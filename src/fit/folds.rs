@@ -6,9 +6,12 @@ use super::bias::{self, BiasCorrection, Uncorrected};
 use super::circle::{self, Circle};
 use super::even::Evidence;
 use super::frame::Frame;
+use super::limits::Limits;
 use super::matching::Matched;
+use super::orthogonal::UNKNOWNS;
 use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, fractions, smooth};
+use super::robust;
 use super::sampling::{POINTS_A_FOLD, most_folds, note, plainly_seen};
 use super::start::{Start, matched};
 use super::swift::{self, Swift};
@@ -18,10 +21,10 @@ use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::least_squares;
+use crate::numerics::least_squares::{self, Loss, State};
 
 /// What to fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     pub folds: Folds,
     pub length: HemLength,
@@ -30,6 +33,13 @@ pub struct Options {
     /// Take out the bias that noise has where the curve bends (docs/uncertainty.md).
     pub bias_correction: bool,
     pub solver: least_squares::Options,
+    /// Unknowns that are held or bounded.
+    pub limits: Limits,
+    /// Weight of each point in the order of the profile's points ([`DrapeProfile::source_index`] leads there from the input), 1/variance of its
+    /// distance up to a common factor; a point of weight 0 does not count. `None`: all alike.
+    pub weights: Option<Vec<f64>>,
+    /// What is summed over the distances: squares, or a loss that forgives gross errors.
+    pub loss: Loss,
 }
 
 impl Default for Options {
@@ -41,6 +51,9 @@ impl Default for Options {
             // With noise of a tenth of the lean, half a standard error of s is bias.
             bias_correction: true,
             solver: least_squares::Options::default(),
+            limits: Limits::default(),
+            weights: None,
+            loss: Loss::Squares,
         }
     }
 }
@@ -88,6 +101,10 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
 /// The fit of an outline about the origin and about a metre large.
 fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let points = profile.points();
+    robust::check(points.len(), options)?;
+    if robust::concerns(options) {
+        return robust::fit(profile, options);
+    }
     let (from, to) = match options.folds {
         Folds::Among { from, to } => (from.max(2), to),
         Folds::Exactly(m) => (m, m),
@@ -108,7 +125,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
     }
     let to = to.min(seen);
     let outline = smooth(profile);
-    let work = Work::new(points, outline.places.clone(), &outline, options);
+    let work = Work::new(points, outline.places.clone(), &outline, options).weighing(options.weights.iter().flatten().copied());
     let round = circle::fit(points);
     let mut trials = work_through(&work, SCREENING_POINTS, from..=to);
     if !trials.iter().any(Trial::sane) {
@@ -131,13 +148,20 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
     let before = best.evaluations;
     let (best, correction) = bias::correct(best, &work, options.bias_correction);
     let evaluations = evaluations + best.evaluations - before;
-    let seen = Seen { points, round: &round, outline_length: outline.length, noise: outline.noise };
+    let seen = Seen {
+        points,
+        round: &round,
+        outline_length: outline.length,
+        noise: outline.noise,
+        weights: &work.weights,
+        limits: &options.limits,
+    };
     Ok(outcome(best, correction, None, candidates, &seen, evaluations, notes))
 }
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
 fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Options) -> Option<HemFit> {
-    if matches!(options.length, HemLength::Held(_)) {
+    if matches!(options.length, HemLength::Held(_)) || options.weights.is_some() || !options.limits.none() {
         return None;
     }
     let asked = swift::Options { gradient_tolerance: options.solver.gradient_tolerance, bias_correction: options.bias_correction };
@@ -154,7 +178,7 @@ fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Opt
     // The circle is left to the careful path, which knows what else to say of it.
     let finished = finished.into_iter().find(|f| f.trial.folds == best.folds)?;
     let evaluations = evaluations + finished.trial.evaluations - before;
-    let seen = Seen { points, round: &round, outline_length, noise };
+    let seen = Seen { points, round: &round, outline_length, noise, weights: &[], limits: &options.limits };
     Some(outcome(finished.trial, finished.correction, Some(finished.known), candidates, &seen, evaluations, notes))
 }
 
@@ -163,7 +187,7 @@ fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>
     let stride = work.points.len() / enough.max(8 * *folds.end() as usize);
     let fewer: Vec<Point> = work.points.iter().copied().step_by(stride.max(1)).collect();
     let places = work.outline.places.iter().copied().step_by(stride.max(1)).collect();
-    let screening = Work::new(&fewer, places, work.outline, work.options);
+    let screening = Work::new(&fewer, places, work.outline, work.options).weighing(work.weights.iter().copied().step_by(stride.max(1)));
     let (hopeless, folds) = out_of_question(work.outline, folds);
     // The nearest match first: what it reaches tells which of the others can still compete.
     let mut starts: Vec<Start> = folds.into_iter().map(|m| matched(work.outline, m)).collect();
@@ -311,6 +335,20 @@ struct Seen<'a> {
     outline_length: f64,
     /// m.
     noise: f64,
+    /// Weight of each point, of mean 1; empty where all are alike.
+    weights: &'a [f64],
+    limits: &'a Limits,
+}
+
+/// Bounds at which the fit came to rest, in words.
+pub(super) fn bounds_met(states: &[State; 6]) -> impl Iterator<Item = String> {
+    let end = |state: &State| match state {
+        State::AtLower => Some("lower"),
+        State::AtUpper => Some("upper"),
+        State::Free | State::Fixed => None,
+    };
+    let met = UNKNOWNS.iter().zip(states).filter_map(move |(name, state)| Some((name, end(state)?)));
+    met.map(|(name, end)| format!("{name} is at its {end} bound; the other standard errors hold while it stays there"))
 }
 
 fn outcome(
@@ -330,15 +368,19 @@ fn outcome(
         notes.push(format!("fold counts are tied: {}", told.join(", ")));
     }
     let weight = candidates.iter().find(|c| c.folds == best.folds).and_then(|c| c.weight).unwrap_or(0.0);
-    let (hem, placement) = best.hem.canonical(best.placement);
+    let canonical = seen.limits.allow_canonical_form();
+    let (hem, placement) = if canonical { best.hem.canonical(best.placement) } else { (best.hem, best.placement) };
     // Canonical form moves the crest, and with it the origin of t.
-    let turned = best.placement.phase - placement.phase + if best.hem.p < 0.0 { PI } else { 0.0 };
+    let turned = best.placement.phase - placement.phase + if canonical && best.hem.p < 0.0 { PI } else { 0.0 };
     let feet: Vec<f64> = best.feet.iter().map(|t| wrapped(t + turned)).collect();
+    notes.extend(bounds_met(&best.states));
     let sure = uncertainty(&Fitted {
         points: seen.points,
+        weights: seen.weights,
         hem,
         placement,
         feet: &feet,
+        states: &best.states,
         held: best.held.is_some(),
         termination: &best.termination,
         correction: &correction,
@@ -380,6 +422,8 @@ fn outcome(
         explained: (1.0 - best.sum_of_squares / seen.round.sum_of_squares).clamp(0.0, 1.0),
         held: best.held,
         termination: best.termination,
+        states: best.states,
+        robust: None,
         distances: best.distances,
         hem,
         placement,

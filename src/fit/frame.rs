@@ -3,8 +3,10 @@
 //! Shifting by one of the points and scaling by a power of two cost no digit, so the same outline in micrometres, or a kilometre away, gives the
 //! same curve.
 
+use super::bias::{BiasCorrection, Correction};
 use super::folds::Options;
-use super::outcome::{Candidate, Estimate, HeldLength, HemFit};
+use super::limits::Limits;
+use super::outcome::{Candidate, Estimate, HeldLength, HemFit, RobustOutcome};
 use crate::experiment::campaign::HemLength;
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
@@ -54,7 +56,17 @@ impl Frame {
             HemLength::Held(length) => HemLength::Held(length / self.scale),
             other => other,
         };
-        Options { length, cut_length: options.cut_length.map(|cut| cut / self.scale), ..*options }
+        let (o, unit) = (self.origin, self.scale);
+        let limits = &options.limits;
+        let limits = Limits {
+            x0: limits.x0.map(|x| (x - o.x) / unit),
+            y0: limits.y0.map(|y| (y - o.y) / unit),
+            phase: limits.phase,
+            p: limits.p.map(|p| p / unit),
+            q: limits.q.map(|q| q / unit),
+            s: limits.s.map(|s| s / unit),
+        };
+        Options { length, cut_length: options.cut_length.map(|cut| cut / unit), limits, ..options.clone() }
     }
 
     /// The fit as one of the outline itself.
@@ -67,6 +79,14 @@ impl Frame {
             phase: fit.placement.phase,
         };
         let estimate = |e: Estimate| Estimate { value: unit * e.value, standard_error: e.standard_error.map(|error| unit * error) };
+        let [x0_error, y0_error, phase_error] = fit.placement_errors;
+        let correction = match fit.bias_correction {
+            BiasCorrection::Applied(c) => {
+                BiasCorrection::Applied(Correction { p: unit * c.p, q: unit * c.q, s: unit * c.s, sigma: unit * c.sigma, ..c })
+            }
+            left => left,
+        };
+        let robust = fit.robust.map(|robust| RobustOutcome { scale: unit * robust.scale, ..robust });
         let n = fit.distances.len() as f64;
         let candidate = |c: Candidate| Candidate { rms: unit * c.rms, aicc: c.aicc + 2.0 * n * unit.ln(), ..c };
         let mut notes = fit.notes;
@@ -83,6 +103,9 @@ impl Frame {
             p: estimate(fit.p),
             q: fit.q.map(estimate),
             s: fit.s.map(estimate),
+            placement_errors: [x0_error.map(|e| unit * e), y0_error.map(|e| unit * e), phase_error],
+            bias_correction: correction,
+            robust,
             covariance: fit.covariance.map(|c| c.map(|row| row.map(|value| unit * unit * value))),
             candidates: fit.candidates.into_iter().map(candidate).collect(),
             distances: fit.distances.into_iter().map(|d| unit * d).collect(),

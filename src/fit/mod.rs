@@ -6,34 +6,35 @@ pub mod bootstrap;
 pub mod circle;
 mod estimating;
 pub mod even;
+pub mod fold_table;
 pub mod folds;
 pub mod foot_point;
 mod frame;
-pub mod intervals;
-pub mod fold_table;
 pub mod free_outline;
+pub mod intervals;
 pub mod lambda;
+pub mod limits;
 pub mod matching;
 pub mod orthogonal;
 pub mod outcome;
 pub mod outline;
 pub mod profile_likelihood;
+mod robust;
 pub mod rules;
 mod sampling;
-pub mod start;
-mod swift;
 mod sane_curve;
+pub mod start;
+pub mod surface;
+mod swift;
 pub mod tangent_curve;
 pub mod tangent_family;
 pub mod tangent_fit;
-pub mod surface;
 mod trial;
 pub mod uncertainty;
 
 pub use bias::BiasCorrection;
 pub use folds::{Options, fit};
 pub use intervals::Intervals;
-pub use outcome::{Candidate, Estimate, HeldLength, HemFit, Rule, Termination};
 
 /// Akaike's criterion of `unknowns` parameters and a variance fitted to n points, corrected for few of them (Hurvich & Tsai, Biometrika 76 (1989)
 /// 297–307); infinite where so few are left that it has no value.
@@ -44,3 +45,8 @@ pub fn aicc(sum_of_squares: f64, n: usize, unknowns: usize) -> f64 {
     }
     n * (sum_of_squares / n).max(f64::MIN_POSITIVE).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
 }
+pub use limits::Limits;
+pub use outcome::{Candidate, Estimate, HeldLength, HemFit, RobustOutcome, Rule, Termination};
+
+// The words in which a fit is asked, for those who may not look into the numerics.
+pub use crate::numerics::least_squares::{Limit, Loss};

@@ -7,6 +7,7 @@ use super::intervals::Intervals;
 use super::uncertainty::MissingError;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
+use crate::numerics::least_squares::{Loss, Round, State};
 
 /// A value with its standard error; `None` where the data do not determine it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -77,6 +78,22 @@ pub struct HeldLength {
     pub multiplier: f64,
 }
 
+/// What a loss other than squares made of the points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RobustOutcome {
+    pub loss: Loss,
+    /// Standard deviation of the distances of the bulk of the points, 1.4826 · median |d|, m (of √w d where points have weights).
+    pub scale: f64,
+    /// Weight that the loss gives to each point of the profile, 0…1.
+    pub weights: Vec<f64>,
+    /// Points that weigh less than one half.
+    pub downweighted: usize,
+    /// Evaluations spent, and how it ended, for each round of reweighting.
+    pub rounds: Vec<Round>,
+    /// Whether the weights came to rest.
+    pub settled: bool,
+}
+
 /// The paper's curve fitted to one outline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HemFit {
@@ -128,6 +145,10 @@ pub struct HemFit {
     pub explained: f64,
     pub held: Option<HeldLength>,
     pub termination: Termination,
+    /// What became of x0, y0, phase, p, q, s: free, fixed, or at a bound.
+    pub states: [State; 6],
+    /// How the points were weighed, if the loss was not that of least squares. `rms` and `explained` are then over the points with these weights.
+    pub robust: Option<RobustOutcome>,
     /// Evaluations of the residual vector, over all candidates.
     pub evaluations: usize,
     /// What a reader of the numbers should know, in words.

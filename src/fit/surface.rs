@@ -160,7 +160,7 @@ pub fn fit(measured: &MeasuredSurface, options: &Options) -> Result<SurfaceFit, 
             .zip(&own)
             .map(|(section, own)| match own {
                 Ok(fit) if fit.folds == Some(m) => Ok(fit.clone()),
-                _ => folds::fit(&section.profile, &Options { folds: Folds::Exactly(m), ..*options }).map_err(|e| e.to_string()),
+                _ => folds::fit(&section.profile, &Options { folds: Folds::Exactly(m), ..options.clone() }).map_err(|e| e.to_string()),
             })
             .collect();
         if let Some(trial) = Trial::of(m, measured, alone, options)? {

@@ -6,7 +6,7 @@ use super::circle::Circle;
 use super::folds::Options;
 use super::foot_point::{Foot, centred, nearest_within};
 use super::matching::{self, Matched, stretched, warped};
-use super::orthogonal::{self, Fitted, UNKNOWNS};
+use super::orthogonal::{self, Conditions, Fitted, UNKNOWNS};
 use super::outcome::{HeldLength, Rule, Termination};
 use super::outline::Outline;
 use super::rules::{Evidence, LENGTH_SLACK, broken};
@@ -14,7 +14,7 @@ use super::start::{LengthTable, Start};
 use crate::experiment::Point;
 use crate::experiment::campaign::HemLength;
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::least_squares;
+use crate::numerics::least_squares::{self, State};
 
 /// Below this share of the radius a match by equal lengths is near enough to start from; beyond it folds drift apart and are warped.
 const CLOSE_MATCH: f64 = 0.03;
@@ -50,6 +50,8 @@ pub(super) struct Trial {
     pub termination: Termination,
     pub broken: Option<Rule>,
     pub evaluations: usize,
+    /// What became of each unknown.
+    pub states: [State; 6],
     /// The match itself, where that is what is reported.
     pub matched: Option<Matched>,
 }
@@ -72,6 +74,7 @@ impl Trial {
             termination: Termination::NoFolds,
             broken: (TAU * round.radius * (1.0 + LENGTH_SLACK) < outline_length).then_some(Rule::Length),
             evaluations: 1,
+            states: [State::Free; 6],
             matched: None,
         }
     }
@@ -106,6 +109,7 @@ impl Trial {
             termination: Termination::NotPursued,
             broken: None,
             evaluations: 0,
+            states: [State::Free; 6],
             matched: None,
         }
     }
@@ -138,6 +142,7 @@ impl Trial {
             termination: Termination::Converged,
             broken: None,
             evaluations,
+            states: [State::Free; 6],
             matched: None,
         }
     }
@@ -185,12 +190,21 @@ pub(super) struct Work<'a> {
     fractions: Vec<f64>,
     pub outline: &'a Outline,
     pub options: &'a Options,
+    /// Weight of each point, of mean 1; empty where all are alike.
+    pub weights: Vec<f64>,
 }
 
 impl<'a> Work<'a> {
     /// `fractions[i]` is the place of `points[i]` along the outline.
     pub(super) fn new(points: &'a [Point], fractions: Vec<f64>, outline: &'a Outline, options: &'a Options) -> Self {
-        Work { points, fractions, outline, options }
+        Work { points, fractions, outline, options, weights: Vec::new() }
+    }
+
+    /// The same with these weights of the points.
+    pub(super) fn weighing(self, weights: impl Iterator<Item = f64>) -> Self {
+        let weights: Vec<f64> = weights.collect();
+        let mean = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
+        Work { weights: weights.into_iter().map(|w| w / mean).collect(), ..self }
     }
 
     /// The same curve fitted to these points: from a trial of fewer points of the same outline.
@@ -288,7 +302,7 @@ impl<'a> Work<'a> {
             }
         }
         let rule = last.as_ref().and_then(|t| t.broken);
-        if self.options.length == HemLength::Free {
+        if self.options.length == HemLength::Free || last.is_some() && self.options.limits.shape_is_held() {
             return Trial { evaluations, ..last.expect("a free fit was tried") };
         }
         let held = match rule {
@@ -309,6 +323,10 @@ impl<'a> Work<'a> {
         let again = self.orthogonal(hem, placement, feet, Some(self.length()), held);
         evaluations += again.evaluations;
         if again.broken.is_none() {
+            return Trial { evaluations, ..again };
+        }
+        if !self.options.limits.none() {
+            // A match in order knows nothing of limits.
             return Trial { evaluations, ..again };
         }
         let in_order = self.in_order(ordered, trial.broken.expect("just seen"));
@@ -349,11 +367,12 @@ impl<'a> Work<'a> {
     }
 
     fn orthogonal_from(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
-        let fitted = orthogonal::fit(self.points, hem, placement, feet, length, self.length(), &self.options.solver)
-            .expect("a profile has more points than the curve has unknowns");
-        let Fitted { hem, placement, feet, summary, evaluations } = fitted;
+        let conditions = Conditions { length, outline_length: self.length(), weights: &self.weights, limits: &self.options.limits };
+        let fitted = orthogonal::fit_under(self.points, hem, placement, feet, &conditions, &self.options.solver)
+            .expect("a profile has more points than the curve has unknowns, and limits are checked");
+        let Fitted { hem, placement, feet, distances, summary, evaluations } = fitted;
         let broken = if summary.parameters.iter().all(|v| v.is_finite()) && summary.termination != least_squares::Termination::Abandoned {
-            self.broken(&hem, &placement, &feet, &summary.residuals)
+            self.broken(&hem, &placement, &feet, &distances)
         } else {
             Some(Rule::Length)
         };
@@ -370,12 +389,13 @@ impl<'a> Work<'a> {
             offset: self.offset(&hem, &feet),
             feet,
             sum_of_squares: summary.sum_of_squares,
-            distances: summary.residuals,
-            parameters: UNKNOWNS.len() - usize::from(length.is_some()),
+            distances,
+            parameters: orthogonal::free(&summary.states).saturating_sub(usize::from(length.is_some())),
             held,
             termination,
             broken,
             evaluations,
+            states: std::array::from_fn(|j| summary.states[j]),
             matched: None,
         }
     }
@@ -415,6 +435,7 @@ impl<'a> Work<'a> {
             termination: Termination::InOrder { broken: rule },
             broken,
             evaluations: 0,
+            states: [State::Free; 6],
             matched: Some(matched),
         }
     }

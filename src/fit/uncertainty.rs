@@ -8,6 +8,7 @@ use super::estimating::{Linearized, Unknowns, linearize};
 use super::outcome::Termination;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
+use crate::numerics::least_squares::State;
 
 /// Ratio of singular values, columns of unit length, beyond which a combination of unknowns is not determined: no digit of it is left.
 const DEPENDENT: f64 = 1e-8;
@@ -53,6 +54,12 @@ pub enum WhyMissing {
     InOrder,
     /// The iteration ended before a minimum.
     NotConverged,
+    /// It was held at a value, as asked.
+    Held,
+    /// It rests at a bound that was set for it.
+    AtBound,
+    /// Of intervals only: likelihoods and bootstraps are those of points that count alike.
+    Weighted,
 }
 
 impl WhyMissing {
@@ -64,6 +71,9 @@ impl WhyMissing {
             WhyMissing::NotDetermined => "not_determined",
             WhyMissing::InOrder => "in_order",
             WhyMissing::NotConverged => "not_converged",
+            WhyMissing::Held => "held",
+            WhyMissing::AtBound => "at_bound",
+            WhyMissing::Weighted => "weighted",
         }
     }
 
@@ -77,6 +87,9 @@ impl WhyMissing {
             WhyMissing::NotDetermined => "no standard errors: the points do not tell the unknowns apart",
             WhyMissing::InOrder => "no standard errors: the curve was matched in order, not fitted by orthogonal distance",
             WhyMissing::NotConverged => "no standard errors: the iteration ended before a minimum",
+            WhyMissing::Held => "no standard error of what was held, as asked",
+            WhyMissing::AtBound => "no standard error of what rests at its bound",
+            WhyMissing::Weighted => "no such intervals where points have weights of their own",
         }
     }
 }
@@ -101,9 +114,13 @@ pub(super) struct Uncertainty {
 /// The fit whose uncertainty is asked, in canonical form.
 pub(super) struct Fitted<'a> {
     pub points: &'a [Point],
+    /// Weight of each point, of mean 1; empty where all are alike.
+    pub weights: &'a [f64],
     pub hem: Hem,
     pub placement: Placement,
     pub feet: &'a [f64],
+    /// What became of each unknown.
+    pub states: &'a [State; 6],
     /// Whether the perimeter was held.
     pub held: bool,
     pub termination: &'a Termination,
@@ -133,7 +150,8 @@ impl Known {
 /// `σ̂²(JᵀJ)⁻¹`, in the null space of a held perimeter; σ̂² = Σe²/(n − unknowns), e the distances less their mean shift.
 pub(super) fn uncertainty(fit: &Fitted) -> Uncertainty {
     let round = fit.hem.folds == 0;
-    let free = [true, true, !round, true, !round, !round];
+    let exists = [true, true, !round, true, !round, !round];
+    let free: [bool; 6] = std::array::from_fn(|j| exists[j] && fit.states[j] == State::Free);
     let unknowns = free.iter().filter(|free| **free).count();
     let degrees_of_freedom = (fit.points.len() + usize::from(fit.held)).saturating_sub(unknowns);
     let nothing = |why: WhyMissing| Uncertainty {
@@ -156,10 +174,14 @@ pub(super) fn uncertainty(fit: &Fitted) -> Uncertainty {
         return judged(fit, variance, &Whitened { inverse, determined: [true; 6] }, degrees_of_freedom);
     }
     let unknowns: Unknowns = [fit.placement.x0, fit.placement.y0, fit.placement.phase, fit.hem.p, fit.hem.q, fit.hem.s];
-    let Some(at) = linearize(fit.points, &unknowns, fit.hem.folds, fit.feet) else {
+    let Some(mut at) = linearize(fit.points, &unknowns, fit.hem.folds, fit.feet) else {
         return nothing(WhyMissing::NotDetermined);
     };
-    let residuals = residuals(&at, fit.correction);
+    let mut residuals = residuals(&at, fit.correction);
+    for (i, weight) in fit.weights.iter().enumerate() {
+        residuals[i] *= weight.sqrt();
+        at.rows[i].iter_mut().for_each(|entry| *entry *= weight.sqrt());
+    }
     let variance = residuals.iter().map(|e| e * e).sum::<f64>() / degrees_of_freedom as f64;
     let length = fit.held.then(|| fit.hem.perimeter_gradient().1);
     judged(fit, variance, &Whitened::of(&at, &free, length), degrees_of_freedom)
@@ -174,8 +196,15 @@ fn judged(fit: &Fitted, variance: f64, whitened: &Whitened, degrees_of_freedom: 
     let mut why: [Option<WhyMissing>; 6] = std::array::from_fn(|j| (!determined[j]).then_some(WhyMissing::NotDetermined));
     if round {
         [2, 4, 5].into_iter().for_each(|j| why[j] = Some(WhyMissing::NoFolds));
-    } else if standard_errors[4].is_none_or(|error| within_noise(fit.hem.q, error, degrees_of_freedom)) {
+    } else if fit.states[4] == State::Free && standard_errors[4].is_none_or(|error| within_noise(fit.hem.q, error, degrees_of_freedom)) {
         [2, 4, 5].into_iter().for_each(|j| why[j] = Some(WhyMissing::FoldsWithinNoise));
+    }
+    for (why, state) in why.iter_mut().zip(fit.states) {
+        match state {
+            State::Free => (),
+            State::Fixed => *why = Some(WhyMissing::Held),
+            State::AtLower | State::AtUpper => *why = Some(WhyMissing::AtBound),
+        }
     }
     (0..6).filter(|&j| why[j].is_some()).for_each(|j| standard_errors[j] = None);
     let whole = standard_errors.iter().all(Option::is_some);
