@@ -475,7 +475,7 @@ mod imports {
                 tidy::plan(&[into.join(name)], &into, &Options::default()).and_then(|plan| plan.write()).unwrap_or_else(|e| panic!("{e}"));
             }
             let once = state(&into);
-            let again = tidy::plan(&[into.clone()], &into, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+            let again = tidy::plan(std::slice::from_ref(&into), &into, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!((again.would_change(), again.write().expect("writable")), (vec![], vec![]));
             assert_eq!(state(&into), once);
             once.into_iter().map(|(_, bytes)| bytes).collect::<Vec<_>>()
@@ -626,9 +626,9 @@ mod imports {
                         if column == 1 {
                             sheet.write_number(row, 0, run).expect("a cell");
                         }
-                        xy(run, a).iter().zip(column..).for_each(|(v, c)| {
+                        for (v, c) in xy(run, a).iter().zip(column..) {
                             sheet.write_number(row, c, *v).expect("a cell");
-                        });
+                        }
                         row += 1;
                     }
                 }
@@ -636,9 +636,11 @@ mod imports {
             match name.strip_prefix("run ") {
                 Some(run) => points(&[run.parse().expect("a number")], 0),
                 None if name == "Profiles" => points(&[1, 2, 3, 4], 1),
-                None if name == "Design" => (1..=4).for_each(|row| {
-                    sheet.write_number(row, 3, 150).expect("a cell");
-                }),
+                None if name == "Design" => {
+                    for row in 1..=4 {
+                        sheet.write_number(row, 3, 150).expect("a cell");
+                    }
+                }
                 None => (),
             }
         }
@@ -670,7 +672,7 @@ mod imports {
                 .spawn()
                 .expect("starts")
         };
-        let plan = tidy::plan(&[new.clone()], &into, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+        let plan = tidy::plan(std::slice::from_ref(&new), &into, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
         let start = Instant::now();
         assert_eq!(import().wait().expect("ends").code(), Some(1));
         let whole = start.elapsed();
