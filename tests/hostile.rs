@@ -28,6 +28,9 @@ const FOR_EACH_BYTE: usize = 50;
 /// A picture's size stands in its header, not in its bytes: 20 000 px a side and 1 GiB decoded are allowed, and its greys and marks come on top.
 const PICTURE: usize = 4 << 30;
 
+/// A packed table may unpack to 256 MiB (docs/import.md); its text, its cells and its numbers are there at the same time.
+const UNPACKED: usize = 768 << 20;
+
 /// Counts bytes in use, and the most there were.
 struct Counting;
 
@@ -75,7 +78,7 @@ struct Reader {
 }
 
 const READERS: [Reader; 6] = [
-    Reader { name: "table", read: |path| table::profiles(path).is_ok(), allowed: usual },
+    Reader { name: "table", read: |path| table::profiles(path).is_ok(), allowed: |bytes| UNPACKED + usual(bytes) },
     Reader { name: "numbers", read: |path| numbers::NumberTable::read(path).is_ok(), allowed: usual },
     Reader { name: "image", read: read_image, allowed: |bytes| PICTURE + usual(bytes) },
     Reader { name: "mesh", read: read_mesh, allowed: usual },

@@ -110,6 +110,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
         Folds::Exactly(m) => (m, m),
     };
     if plainly_seen(points, to)
+        && swift::LIMIT <= options.solver.evaluation_limit
         && let Some(fit) = swiftly(points, from..=to, options)
     {
         return Ok(fit);

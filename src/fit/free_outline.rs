@@ -59,6 +59,9 @@ impl FreeOutline {
     }
 }
 
+/// Harmonics of the tangent angle that deep folds, all alike, have.
+const EVEN_HARMONICS: usize = 8;
+
 /// Fits the free outline to the points that `outline` smooths, so that it can be held against another curve.
 ///
 /// Where that one leaves no more than [`CLEARLY`] times as much (`left`, m²), the order is at least `holds`, from which on the free outline holds it.
@@ -70,8 +73,10 @@ pub fn free_outline(points: &[Point], outline: &Outline, holds: usize, left: f64
     if most < 2 {
         return Err(Error::Unanswerable(format!("{} points are too few for a free outline", points.len())));
     }
-    // The smooth outline's own order is evidence already, of another series: a few more are enough to choose from.
-    let highest = (outline.order + 4).min(most);
+    // The smooth outline's own order is evidence already, of another series: a few more are enough to choose from. Even folds say less of it:
+    // the tangent angle of deep ones has eight harmonics.
+    let enough = if outline.even { EVEN_HARMONICS * (outline.order / 2) } else { outline.order + 4 };
+    let highest = enough.min(most);
     let (start, turn) = start(outline, highest);
     let (places, _) = fractions(points);
     let nodes = start.curve.nodes();

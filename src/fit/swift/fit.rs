@@ -8,7 +8,7 @@ use crate::model::hem::Hem;
 use crate::numerics::lanes::{Lanes, WIDTH};
 
 /// Evaluations after which a fit that has not converged is left to the careful path.
-const LIMIT: usize = 30;
+pub(in super::super) const LIMIT: usize = 30;
 /// Below this cosine of residual and Jacobian the step takes the exact second derivatives: Gauss–Newton, which leaves a hundredth each time, has
 /// brought the curve so near that Newton squares what is left.
 const NEAR: f64 = 1e-2;

@@ -10,6 +10,7 @@ mod spectrum;
 
 use std::ops::RangeInclusive;
 
+pub(super) use self::fit::LIMIT;
 use self::fit::{Corrected, Ended, Optimum, Wish, cholesky};
 use self::kernel::{Blocks, Curve};
 use self::spectrum::{Spectrum, centroid};
