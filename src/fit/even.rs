@@ -17,6 +17,10 @@ const REACH: usize = 2;
 const LINES: usize = 2 * REACH + 1;
 /// The lines and the centre.
 const UNKNOWNS: usize = LINES + 1;
+/// Real parameters of a circle at given places, and the variance.
+const CIRCLE_PARAMETERS: f64 = 5.0;
+/// Akaike's criterion by which folds have to be better than none, beside the advantage of having been searched for: a weight of twenty to one.
+const FOLDED: f64 = 6.0;
 /// Most folds looked for.
 pub const MOST_FOLDS: u32 = 60;
 /// More points than this tell nothing new about the fold count.
@@ -25,6 +29,7 @@ const ENOUGH: usize = 2048;
 /// The lines of m even folds, fitted to points in order.
 #[derive(Debug, Clone)]
 pub struct Even {
+    /// 0: a circle.
     pub folds: u32,
     /// c_j for j = −2 … 2, and the centre, m.
     pub lines: [Complex<f64>; UNKNOWNS],
@@ -74,6 +79,7 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
     }
     let mut least = vec![(f64::INFINITY, f64::INFINITY); most as usize + 1];
     let mut best: Option<Even> = None;
+    let mut round: Option<Even> = None;
     for parameter in parametrizations(points) {
         let places: Vec<(Point, f64)> = some.iter().map(|&i| (points[i], parameter[i])).collect();
         let sums = Sums::of(&places, most);
@@ -91,6 +97,13 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
                 nearest = Some(Even { folds, lines, parameter: Vec::new(), noise, criterion });
             }
         }
+        let (lines, square) = sums.circle();
+        let values = 2.0 * places.len() as f64;
+        let criterion = akaike(square, values, CIRCLE_PARAMETERS);
+        if round.as_ref().is_none_or(|r| criterion < r.criterion) {
+            let noise = (square / (values - CIRCLE_PARAMETERS).max(1.0)).sqrt();
+            round = Some(Even { folds: 0, lines, parameter: parameter.clone(), noise, criterion });
+        }
         if let Some(nearest) = nearest.filter(|n| best.as_ref().is_none_or(|b| n.criterion < b.criterion)) {
             best = Some(Even { parameter, ..nearest });
         }
@@ -98,6 +111,9 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
     // As if all points had been used: the criterion grows with their number.
     let share = points.len() as f64 / some.len() as f64;
     let best = best?;
+    // The best of so many counts fits chance better than one alone: without clear evidence of folds the outline is round.
+    let searched = 2.0 * f64::from(most).ln() + FOLDED;
+    let best = round.filter(|round| round.criterion <= best.criterion + searched).unwrap_or(best);
     let evidence = (2..=most)
         .map(|folds| (folds, least[folds as usize]))
         .map(|(folds, (criterion, rms))| Evidence { folds, criterion: share * criterion, rms })
@@ -189,6 +205,23 @@ impl Sums {
             }
         }
         Sums { turns, products, lowest, square, mean: Complex::new(cx, cy) }
+    }
+
+    /// The circle of least squares about a free centre, and the sum of squares that it leaves, m².
+    fn circle(&self) -> ([Complex<f64>; UNKNOWNS], f64) {
+        let n = self.turns[0].re;
+        let turn = self.turns[1];
+        let product = |k: i64| self.products[(k - self.lowest) as usize];
+        let (along, across) = (product(1), product(0));
+        // [n, conj(turn); turn, n] · [circle; centre] = [along; across], by Cramer's rule.
+        let determinant = n * n - turn.norm_sqr();
+        let circle = (along * n - turn.conj() * across) / determinant;
+        let centre = (across * n - turn * along) / determinant;
+        let explained = (circle.conj() * along).re + (centre.conj() * across).re;
+        let mut lines = [Complex::new(0.0, 0.0); UNKNOWNS];
+        lines[REACH] = circle;
+        lines[LINES] = centre + self.mean;
+        (lines, (self.square - explained).max(1e-15 * self.square))
     }
 
     /// Lines of least squares for `folds` folds about a free centre, and the sum of squares that they leave, m²; `None` if the points do

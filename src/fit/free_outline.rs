@@ -59,6 +59,8 @@ impl FreeOutline {
     }
 }
 
+/// Harmonics that even a round outline is tried with.
+const FEWEST_HARMONICS: usize = 6;
 /// Harmonics of the tangent angle that deep folds, all alike, have.
 const EVEN_HARMONICS: usize = 8;
 
@@ -76,7 +78,7 @@ pub fn free_outline(points: &[Point], outline: &Outline, holds: usize, left: f64
     // The smooth outline's own order is evidence already, of another series: a few more are enough to choose from. Even folds say less of it:
     // the tangent angle of deep ones has eight harmonics.
     let enough = if outline.even { EVEN_HARMONICS * (outline.order / 2) } else { outline.order + 4 };
-    let highest = enough.min(most);
+    let highest = enough.max(FEWEST_HARMONICS).min(most);
     let (start, turn) = start(outline, highest);
     let (places, _) = fractions(points);
     let nodes = start.curve.nodes();
