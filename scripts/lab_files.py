@@ -39,7 +39,7 @@ def by_libraries():
     import pyarrow.feather
     import pyarrow.parquet
 
-    # A sheet per run, a merged title above the header, a note beside the table, a formula, instructions in front.
+    # A sheet per run, a merged title above the header, a formula that was never evaluated beside the table, instructions in front.
     book = openpyxl.Workbook()
     book.active.title = "Read me"
     book.active["A1"] = "Hems of spring; lengths in cm"
@@ -71,7 +71,7 @@ def by_libraries():
     frame.to_parquet(path("pandas_long.parquet"), index=False)
     frame.to_csv(path("pandas_long.csv.gz"), index=False)
     pyarrow.feather.write_feather(pyarrow.Table.from_pandas(frame, preserve_index=False), path("pyarrow_long.feather"))
-    wide = pandas.DataFrame([[radius(run, a) for a in ANGLES] for run in (1, 2)], columns=[f"{a}°" for a in ANGLES])
+    wide = pandas.DataFrame([[radius(run, a) for a in ANGLES] for run in (1, 2)], columns=[f"{a}°, cm" for a in ANGLES])
     wide.insert(0, "run", [1, 2])
     table = pyarrow.Table.from_pandas(wide, preserve_index=False)
     pyarrow.parquet.write_table(table, path("pyarrow_wide.parquet"), compression="zstd")

@@ -132,7 +132,7 @@ mod files_of_laboratories {
         assert!(reading.encoding.is_some_and(|name| name.starts_with("UTF-16LE")));
         let (reading, notes) = shown("openpyxl_sheet_per_run.xlsx");
         assert_eq!((reading.sheet.as_deref(), reading.header_row), (Some("Run 1"), 3));
-        all_in(&notes, &["sheet “Read me” holds no profiles", "Hem of run 1", "weights", "to the right of the table"]);
+        all_in(&notes, &["sheet “Read me” holds no profiles", "Hem of run 1", "weights of the points"]);
     }
 }
 

@@ -53,13 +53,15 @@ fn whole(encoding: &'static Encoding, bytes: &[u8], name: String) -> Result<Deco
 
 /// UTF-16 without its mark: digits, separators and line ends leave every other byte zero, always on the same side.
 fn wide(bytes: &[u8]) -> Option<&'static Encoding> {
+    // Fewer are a slip in a short file.
+    const FEWEST: usize = 4;
     // A table of numbers has far more than a third of its characters in ASCII, and none of value zero.
     let sample = &bytes[..bytes.len().min(1 << 16) & !1];
     let zeros = |side: usize| sample.iter().skip(side).step_by(2).filter(|&&b| b == 0).count();
     let (even, odd) = (zeros(0), zeros(1));
     match (even, odd) {
-        (0, n) if sample.len() < 6 * n => Some(UTF_16LE),
-        (n, 0) if sample.len() < 6 * n => Some(UTF_16BE),
+        (0, n) if FEWEST <= n && sample.len() < 6 * n => Some(UTF_16LE),
+        (n, 0) if FEWEST <= n && sample.len() < 6 * n => Some(UTF_16BE),
         _ => None,
     }
 }
