@@ -342,7 +342,7 @@ mod hostile {
         };
         let into = TempDir::new().expect("a folder");
         let (mut read, mut refused) = (0, 0);
-        for file in fs::read_dir(folder).expect("files").map(|f| f.expect("readable").path()).filter(|path| path.is_file()) {
+        for file in fs::read_dir(folder).expect("files").map(|f| f.expect("readable").path()).filter(|f| f.is_file()) {
             let sound = fs::read(&file).expect("readable");
             for round in 0..12 {
                 let mut bytes = sound.clone();
