@@ -349,17 +349,26 @@ impl<'a> Work<'a> {
 
     /// The orthogonal fit from a curve and the feet on it.
     ///
-    /// Where no amplitude is left the phase moves nothing, and folds a quarter further on may be nearer: a saddle, from which they are tried.
+    /// Where no amplitude is left the phase moves nothing, and folds elsewhere may be nearer: a saddle, from which those that are seen are tried.
     fn orthogonal(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
         let first = self.orthogonal_from(hem, placement, feet, length, termination.clone());
         let flat = first.hem.q.abs() < FLAT * first.rms();
         if !flat {
             return first;
         }
-        let quarter = 0.25 * TAU / f64::from(hem.folds.max(1));
-        let hem = Hem { q: 0.1 * first.rms(), ..first.hem };
-        let placement = Placement { phase: first.placement.phase + quarter, ..first.placement };
-        let feet = first.feet.iter().map(|t| t - quarter).collect();
+        // The folds that the distances from a round hem show, to first order.
+        let m = f64::from(hem.folds.max(1));
+        let (mut along, mut across) = (0.0, 0.0);
+        for (distance, foot) in first.distances.iter().zip(&first.feet) {
+            let (sin, cos) = (m * foot).sin_cos();
+            along += distance * cos;
+            across += distance * sin;
+        }
+        let turn = across.atan2(along) / m;
+        let q = 2.0 * along.hypot(across) / first.distances.len().max(1) as f64;
+        let hem = Hem { q, ..first.hem };
+        let placement = Placement { phase: first.placement.phase + turn, ..first.placement };
+        let feet = first.feet.iter().map(|t| t - turn).collect();
         let second = self.orthogonal_from(hem, placement, feet, length, termination);
         let evaluations = first.evaluations + second.evaluations;
         let better = (second.broken.is_none(), -second.sum_of_squares) > (first.broken.is_none(), -first.sum_of_squares);

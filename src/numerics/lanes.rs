@@ -45,8 +45,10 @@ impl Lanes {
     #[inline(always)]
     pub fn where_above(self, bound: Lanes, other: Lanes) -> Lanes {
         let mut result = other.0;
-        for lane in 0..WIDTH {
-            result[lane] = if bound.0[lane] < self.0[lane] { self.0[lane] } else { other.0[lane] };
+        for (result, (own, bound)) in result.iter_mut().zip(self.0.iter().zip(&bound.0)) {
+            if bound < own {
+                *result = *own;
+            }
         }
         Lanes(result)
     }
@@ -84,10 +86,11 @@ macro_rules! lane_by_lane {
         impl $operation for Lanes {
             type Output = Lanes;
             #[inline(always)]
+            #[allow(clippy::assign_op_pattern)] // The sign is a token of its own.
             fn $function(self, other: Lanes) -> Lanes {
                 let mut result = self.0;
-                for lane in 0..WIDTH {
-                    result[lane] = self.0[lane] $sign other.0[lane];
+                for (own, other) in result.iter_mut().zip(&other.0) {
+                    *own = *own $sign other;
                 }
                 Lanes(result)
             }

@@ -28,7 +28,7 @@ pub(super) struct Wish {
 /// How a fit ended.
 pub(super) enum Ended {
     /// At a minimum (of the corrected equations, if asked).
-    Converged(Optimum),
+    Converged(Box<Optimum>),
     /// No minimum below the sum of squares of interest is near.
     Beaten { sum_of_squares: f64 },
     /// Neither: the careful path knows what to do.
@@ -176,7 +176,7 @@ fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evalu
             // A root of the gradient is a minimum only where the second derivatives say so.
             let proof = factor.or_else(|| if curved { cholesky(&sums.hessian, 0.0) } else { None });
             if let Some(factor) = proof {
-                return Ended::Converged(Optimum { curve, sums, factor, evaluations: *evaluations });
+                return Ended::Converged(Box::new(Optimum { curve, sums, factor, evaluations: *evaluations }));
             }
             if curved {
                 return Ended::Lost;
@@ -273,6 +273,7 @@ pub(super) struct Triangle {
 }
 
 /// The Cholesky factor of a matrix scaled to a unit diagonal, which is raised by `damping`; `None` if it is not safely positive definite.
+#[allow(clippy::needless_range_loop)] // Indices as in the formula.
 pub(super) fn cholesky(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], damping: f64) -> Option<Triangle> {
     let mut scale = [0.0; UNKNOWNS];
     for i in 0..UNKNOWNS {
@@ -304,6 +305,7 @@ pub(super) fn cholesky(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], damping: f64) -> Op
 
 impl Triangle {
     /// The step that takes a gradient to zero.
+    #[allow(clippy::needless_range_loop)] // Indices as in the formula.
     pub(super) fn solve(&self, gradient: &[f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
         let mut step = [0.0; UNKNOWNS];
         for i in 0..UNKNOWNS {
