@@ -206,7 +206,8 @@ fn a_point_of_weight_zero_does_not_count_and_equal_weights_change_nothing() {
     let weights = profile.source_index().iter().map(|&i| if i == 50 { 0.0 } else { 1.0 }).collect();
     let without = fit::fit(&profile, &Options { weights: Some(weights), ..Options::default() }).unwrap();
     let left: Vec<Point> = points.iter().enumerate().filter(|(i, _)| *i != 50).map(|(_, p)| *p).collect();
-    let removed = fitted(&left, &Options::default());
+    // The bias of curvature is left in where points have weights of their own.
+    let removed = fitted(&left, &Options { bias_correction: false, ..Options::default() });
     assert!((without.hem.q - removed.hem.q).abs() < 1e-12 && without.distances.len() == 200);
 }
 

@@ -73,7 +73,9 @@ pub(super) fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, E
     let counts = |i: usize| prior.get(i).is_none_or(|&w| 0.0 < w);
     if options.loss == Loss::Squares {
         let sound: Vec<bool> = (0..points.len()).map(counts).collect();
-        let Ordinary { fit, .. } = ordinary(profile, &sound, options)?;
+        let Ordinary { mut fit, .. } = ordinary(profile, &sound, options)?;
+        // Its distances are those of all points, so what asks for points that count alike has to know.
+        fit.bias_correction = BiasCorrection::Left(Uncorrected::Weighted);
         return Ok(fit);
     }
     if let Some(fit) = by_even_folds(profile, options, &prior) {
