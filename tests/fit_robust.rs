@@ -30,45 +30,111 @@ fn measured(hem: &Hem, n: usize, sigma: f64, generator: &mut ChaCha8Rng) -> Vec<
     on.iter().map(|p| Point::new(p.x + sigma * normal(generator), p.y + sigma * normal(generator))).collect()
 }
 
-/// How gross errors arise.
-#[derive(Debug, Clone, Copy)]
+/// How gross errors arise: of a fifth of the points.
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Gross {
-    /// Anywhere in the square of ±p about the centre.
+    None,
+    /// Anywhere in the square of ±1.5 p about the centre.
     Anywhere,
     /// Thrown from their place by up to ±p in each coordinate.
     Thrown,
-    /// Outward by 5 to 100 % of p.
+    /// Outward by 10 to 100 % of p.
     Outward,
-    /// Inward by 5 to 90 % of their radius.
+    /// Inward by 10 to 90 % of their radius.
     Inward,
+    /// A tenth, one arc, moved together by 0.3 p; another tenth anywhere.
+    Clustered,
 }
 
-fn spoil(points: &mut [Point], share: f64, gross: Gross, generator: &mut ChaCha8Rng) -> Vec<usize> {
+const GROSS: [Gross; 5] = [Gross::Anywhere, Gross::Thrown, Gross::Outward, Gross::Inward, Gross::Clustered];
+
+fn spoil(points: &mut [Point], share: f64, gross: Gross, p: f64, generator: &mut ChaCha8Rng) {
+    let n = points.len();
+    let wanted = if gross == Gross::None { 0 } else { (share * n as f64).round() as usize };
     let mut spoiled = Vec::new();
-    let wanted = (share * points.len() as f64).round() as usize;
+    if gross == Gross::Clustered {
+        let (from, angle) = (generator.random_range(0..n), uniform(generator, 0.0, TAU));
+        for k in 0..wanted / 2 {
+            let i = (from + k) % n;
+            points[i] = Point::new(points[i].x + 0.3 * p * angle.cos(), points[i].y + 0.3 * p * angle.sin());
+            spoiled.push(i);
+        }
+    }
     while spoiled.len() < wanted {
-        let i = generator.random_range(0..points.len());
+        let i = generator.random_range(0..n);
         if spoiled.contains(&i) {
             continue;
         }
         spoiled.push(i);
-        let p = HEM.p;
         let (dx, dy) = (points[i].x - AT.x0, points[i].y - AT.y0);
         let radius = dx.hypot(dy);
+        let scaled = |factor: f64| Point::new(AT.x0 + factor * dx, AT.y0 + factor * dy);
         points[i] = match gross {
-            Gross::Anywhere => Point::new(AT.x0 + uniform(generator, -p, p), AT.y0 + uniform(generator, -p, p)),
+            Gross::None => unreachable!("none wanted"),
+            Gross::Anywhere | Gross::Clustered => {
+                Point::new(AT.x0 + uniform(generator, -1.5 * p, 1.5 * p), AT.y0 + uniform(generator, -1.5 * p, 1.5 * p))
+            }
             Gross::Thrown => Point::new(points[i].x + uniform(generator, -p, p), points[i].y + uniform(generator, -p, p)),
-            Gross::Outward => {
-                let factor = 1.0 + uniform(generator, 0.05, 1.0) * p / radius;
-                Point::new(AT.x0 + factor * dx, AT.y0 + factor * dy)
-            }
-            Gross::Inward => {
-                let factor = 1.0 - uniform(generator, 0.05, 0.9);
-                Point::new(AT.x0 + factor * dx, AT.y0 + factor * dy)
-            }
+            Gross::Outward => scaled(1.0 + uniform(generator, 0.1, 1.0) * p / radius),
+            Gross::Inward => scaled(1.0 - uniform(generator, 0.1, 0.9)),
         };
     }
-    spoiled
+}
+
+/// What became of many fits under one loss.
+#[derive(Debug, Default)]
+struct Tally {
+    fits: usize,
+    /// Those that miss the truth by more than 2 % (s by more than 3 of its standard errors as well), or do not end at a free optimum.
+    missed: Vec<String>,
+    /// 95 % intervals that cover p, q, s, and those that there are.
+    covered: [usize; 3],
+    intervals: usize,
+}
+
+/// Fits `seeds` replicates of each shape, count of points and kind of gross errors.
+fn replicates(loss: Loss, kinds: &[Gross], seeds: std::ops::Range<u64>) -> Tally {
+    let shapes = [HEM, Hem { p: 0.2, q: 0.01, s: 0.005, folds: 12 }, Hem { p: 0.15, q: 0.045, s: 0.012, folds: 5 }];
+    let mut tally = Tally::default();
+    for (which, hem) in shapes.iter().enumerate() {
+        for n in [360, 180] {
+            for gross in kinds {
+                for seed in seeds.clone() {
+                    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+                    generator.set_stream((which * 1000 + n) as u64 * 10 + *gross as u64);
+                    let mut points = measured(hem, n, 0.0005, &mut generator);
+                    spoil(&mut points, 0.2, *gross, hem.p, &mut generator);
+                    tally.fits += 1;
+                    let what = format!("{gross:?}, {n} points, m = {}, seed {seed}, {loss}", hem.folds);
+                    let fit = match fit::fit(&DrapeProfile::new(&points).unwrap(), &Options { loss, ..Options::default() }) {
+                        Ok(fit) => fit,
+                        Err(error) => {
+                            tally.missed.push(format!("{what}: {error}"));
+                            continue;
+                        }
+                    };
+                    let truth = [hem.p, hem.q, hem.s];
+                    let found = [fit.hem.p, fit.hem.q, fit.hem.s];
+                    let error = [Some(fit.p), fit.q, fit.s].map(|e| e.and_then(|e| e.standard_error).unwrap_or(0.0));
+                    let near = (0..3).all(|i| {
+                        let off = (found[i] - truth[i]).abs();
+                        off <= 0.02 * truth[i] || i == 2 && off <= 3.0 * error[i]
+                    });
+                    let settled = fit.robust.as_ref().is_some_and(|r| r.settled);
+                    if !near || !settled || fit.folds != Some(hem.folds) || fit.termination != Termination::Converged {
+                        tally
+                            .missed
+                            .push(format!("{what}: {found:?} {:?} {:?} settled {settled} {:?}", fit.folds, fit.termination, fit.notes));
+                        continue;
+                    }
+                    tally.intervals += 1;
+                    // Student's t of 100 degrees of freedom or more is 1.97 to 1.98.
+                    (0..3).for_each(|i| tally.covered[i] += usize::from((found[i] - truth[i]).abs() <= 1.975 * error[i]));
+                }
+            }
+        }
+    }
+    tally
 }
 
 fn fitted(points: &[Point], options: &Options) -> HemFit {
@@ -76,29 +142,35 @@ fn fitted(points: &[Point], options: &Options) -> HemFit {
 }
 
 #[test]
-fn a_fifth_of_gross_errors_leaves_p_q_s_within_two_percent_under_every_robust_loss_or_the_fit_says_that_it_is_no_optimum() {
-    for gross in [Gross::Outward, Gross::Inward, Gross::Anywhere, Gross::Thrown] {
-        for seed in 0..2 {
-            let mut generator = ChaCha8Rng::seed_from_u64(seed);
-            let mut points = measured(&HEM, 360, 0.0005, &mut generator);
-            let spoiled = spoil(&mut points, 0.2, gross, &mut generator);
-            let profile = DrapeProfile::new(&points).unwrap();
-            for loss in LOSSES {
-                let what = format!("{gross:?} {seed} {loss}");
-                let fit = fit::fit(&profile, &Options { loss, ..Options::default() }).unwrap_or_else(|e| panic!("{what}: {e}"));
-                // A point thrown a little along the curve is not told from its neighbours, and spoils the order of the start: that is said.
-                if matches!(gross, Gross::Thrown) && fit.termination != Termination::Converged {
-                    continue;
-                }
-                assert_eq!((fit.folds, &fit.termination), (Some(8), &Termination::Converged), "{what}: {:?}", fit.notes);
-                for (name, found, truth) in [("p", fit.hem.p, HEM.p), ("q", fit.hem.q, HEM.q), ("s", fit.hem.s, HEM.s)] {
-                    assert!((found / truth - 1.0).abs() < 0.02, "{what} {name}: {found} {truth}");
-                }
-                let robust = fit.robust.unwrap();
-                assert!(robust.settled && (0.0004..0.0008).contains(&robust.scale), "{what}: scale {}", robust.scale);
-                // Gross errors that came to lie on the curve cannot be told; 1 to 2 % of the sound points are beyond the same limit.
-                assert!(robust.downweighted.abs_diff(spoiled.len()) < 25, "{what}: {} downweighted", robust.downweighted);
-            }
+fn a_fifth_of_gross_errors_leaves_p_q_s_within_two_percent_at_a_free_optimum_under_every_robust_loss() {
+    for loss in LOSSES {
+        let tally = replicates(loss, &GROSS, 0..4);
+        println!("{loss}: {} of {} missed, covered {:?} of {}", tally.missed.len(), tally.fits, tally.covered, tally.intervals);
+        assert!(100 * tally.missed.len() <= tally.fits, "{loss}: {:#?}", tally.missed);
+        // 95 % less three binomial standard deviations of this many.
+        tally.covered.iter().for_each(|&covered| assert!(0.89 * tally.intervals as f64 <= covered as f64, "{loss}: {:?}", tally.covered));
+    }
+}
+
+#[test]
+#[ignore = "a study of minutes: cargo test --release --test fit_robust -- --ignored --nocapture"]
+fn of_ten_thousand_replicates_ninety_nine_percent_are_within_two_percent_and_intervals_cover_what_they_say() {
+    for loss in LOSSES {
+        for kind in [Gross::None].into_iter().chain(GROSS) {
+            let tally = replicates(loss, &[kind], 1000..1100);
+            println!(
+                "{loss} {kind:?}: {} of {} missed, covered {:?} of {}",
+                tally.missed.len(),
+                tally.fits,
+                tally.covered,
+                tally.intervals
+            );
+            assert!(100 * tally.missed.len() <= tally.fits, "{loss}: {:#?}", tally.missed);
+            // 95 % less three binomial standard deviations of 600.
+            tally
+                .covered
+                .iter()
+                .for_each(|&covered| assert!(0.923 * tally.intervals as f64 <= covered as f64, "{loss}: {:?}", tally.covered));
         }
     }
 }
@@ -107,7 +179,7 @@ fn a_fifth_of_gross_errors_leaves_p_q_s_within_two_percent_under_every_robust_lo
 fn least_squares_is_carried_away_where_the_losses_are_not() {
     let mut generator = ChaCha8Rng::seed_from_u64(1);
     let mut points = measured(&HEM, 360, 0.0005, &mut generator);
-    spoil(&mut points, 0.2, Gross::Outward, &mut generator);
+    spoil(&mut points, 0.2, Gross::Outward, HEM.p, &mut generator);
     let plain = fit::fit(&DrapeProfile::new(&points).unwrap(), &Options::default());
     assert!(plain.is_err() || plain.is_ok_and(|fit| (fit.hem.s / HEM.s - 1.0).abs() > 0.05 || (fit.hem.q / HEM.q - 1.0).abs() > 0.05));
 }
@@ -125,7 +197,8 @@ fn a_point_of_weight_zero_does_not_count_and_equal_weights_change_nothing() {
     let weights = profile.source_index().iter().map(|&i| if i == 50 { 0.0 } else { 1.0 }).collect();
     let without = fit::fit(&profile, &Options { weights: Some(weights), ..Options::default() }).unwrap();
     let left: Vec<Point> = points.iter().enumerate().filter(|(i, _)| *i != 50).map(|(_, p)| *p).collect();
-    let removed = fitted(&left, &Options::default());
+    // The bias of curvature is left in where points have weights of their own.
+    let removed = fitted(&left, &Options { bias_correction: false, ..Options::default() });
     assert!((without.hem.q - removed.hem.q).abs() < 1e-12 && without.distances.len() == 200);
 }
 

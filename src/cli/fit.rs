@@ -108,11 +108,15 @@ pub enum Print {
 /// That of the only file, if there is one only; with several files a file that cannot be read is said and left out.
 pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     let mut profiles: Vec<(String, DrapeProfile)> = Vec::new();
+    // Beside the profiles, in the order of their points; `None` where the file has none.
+    let mut weights: Vec<Option<Vec<f64>>> = Vec::new();
     let mut whole = true;
     for file in &args.files {
         match read(file, args) {
-            Ok((found, set_aside)) => {
+            Ok((found, weighed, set_aside)) => {
                 profiles.extend(found);
+                weights.extend(weighed);
+                weights.resize(profiles.len(), None);
                 for sentence in &set_aside {
                     eprintln!("set aside: {sentence}");
                 }
@@ -136,7 +140,9 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
     let results: Vec<Result<HemFit, String>> = profiles
         .par_iter()
-        .map(|(_, profile)| {
+        .zip(&weights)
+        .map(|((_, profile), weights)| {
+            let options = fit::Options { weights: weights.clone(), ..options.clone() };
             let mut fitted = fit::fit(profile, &options).map_err(|e| e.to_string())?;
             fitted.intervals = Some(intervals(profile, &fitted, &wanted));
             Ok(fitted)
@@ -151,6 +157,9 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         lambda: &lambda,
         study: None,
     });
+    if args.table != Print::Fits && weights.iter().any(Option::is_some) {
+        eprintln!("note: equal folds of any shape and the free outline do not use the weights of the points");
+    }
     let compared: Vec<Option<Irregular>> = if args.table == Print::Fits {
         vec![]
     } else {
@@ -241,8 +250,8 @@ fn limits(args: &Fit) -> Result<Limits, Error> {
     Ok(limits)
 }
 
-/// The profiles of one file, and what was set aside, in sentences.
-type Read = (Vec<(String, DrapeProfile)>, Vec<String>);
+/// The profiles of one file, the weights of their points where it is a table (none otherwise), and what was set aside, in sentences.
+type Read = (Vec<(String, DrapeProfile)>, Vec<Option<Vec<f64>>>, Vec<String>);
 
 fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
     if image::is_picture(file) {
@@ -263,21 +272,22 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
             let drawing = write_overlay(&name, &words::file_stem(&whole.replace('.', "_")), &silhouette, folder)?;
             eprintln!("drawn: {}", drawing.display());
         }
-        return Ok((vec![(name, silhouette.profile)], vec![]));
+        return Ok((vec![(name, silhouette.profile)], vec![], vec![]));
     }
     if mesh::is_mesh(file) {
         let hem = mesh::hem(file, &mesh::Options { frame: args.frame.meshes(), ..mesh::Options::default() })?;
         for note in &hem.notes {
             eprintln!("note: {}: {note}", file.display());
         }
-        return Ok((vec![(stem(file), hem.profile)], vec![]));
+        return Ok((vec![(stem(file), hem.profile)], vec![], vec![]));
     }
     let table = table::read(file, &args.told.dialect())?;
     for note in &table.notes {
         eprintln!("note: {}: {note}", file.display());
     }
+    let weights = table.profiles.iter().map(table::NamedProfile::weights_in_order).collect();
     let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
-    Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
+    Ok((profiles, weights, table.quarantine.iter().map(ToString::to_string).collect()))
 }
 
 /// What a profile is called whose file holds only one.

@@ -162,7 +162,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
 fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Options) -> Option<HemFit> {
-    if matches!(options.length, HemLength::Held(_)) || options.weights.is_some() || !options.limits.none() {
+    if matches!(options.length, HemLength::Held(_)) || !alike(options) || !options.limits.none() {
         return None;
     }
     let asked = swift::Options { gradient_tolerance: options.solver.gradient_tolerance, bias_correction: options.bias_correction };
@@ -181,6 +181,11 @@ fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Opt
     let evaluations = evaluations + finished.trial.evaluations - before;
     let seen = Seen { points, round: &round, outline_length, noise, weights: &[], limits: &options.limits };
     Some(outcome(finished.trial, finished.correction, Some(finished.known), candidates, &seen, evaluations, notes))
+}
+
+/// Whether all points weigh the same.
+fn alike(options: &Options) -> bool {
+    options.weights.as_ref().is_none_or(|weights| weights.windows(2).all(|pair| pair[0] == pair[1]))
 }
 
 /// Every fold count tried, ascending: on about `enough` points, the best of them then on all.

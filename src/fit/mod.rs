@@ -15,6 +15,7 @@ pub mod intervals;
 pub mod lambda;
 pub mod limits;
 pub mod matching;
+mod mended;
 pub mod orthogonal;
 pub mod outcome;
 pub mod outline;

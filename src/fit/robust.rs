@@ -7,6 +7,7 @@
 use super::bias::{BiasCorrection, Uncorrected};
 use super::folds::{self, Options};
 use super::foot_point::{centred, nearest};
+use super::mended::{Mended, clockwise};
 use super::orthogonal::{Conditions, UNKNOWNS, fit_robustly};
 use super::outcome::{Estimate, HemFit, RobustOutcome, Rule, Termination};
 use super::outline::{Outline, smooth};
@@ -14,6 +15,7 @@ use super::rules::{Evidence, broken};
 use super::start::LengthTable;
 use super::uncertainty::{MissingError, Unknown, WhyMissing, correlation};
 use crate::error::Error;
+use crate::experiment::campaign::Folds;
 use crate::experiment::profile::FEWEST_POINTS;
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
@@ -37,6 +39,8 @@ const ISOLATED: f64 = 3.0;
 const SOUND: f64 = 3.5;
 /// Rounds of choosing the sound points; after the second hardly a point changes sides.
 const ROUNDS: usize = 6;
+/// The same where even folds told them: these are nearly all of them at once.
+const EVEN_ROUNDS: usize = 3;
 
 /// Whether the ordinary fit cannot answer this alone.
 pub(super) fn concerns(options: &Options) -> bool {
@@ -69,7 +73,12 @@ pub(super) fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, E
     let counts = |i: usize| prior.get(i).is_none_or(|&w| 0.0 < w);
     if options.loss == Loss::Squares {
         let sound: Vec<bool> = (0..points.len()).map(counts).collect();
-        let Ordinary { fit, .. } = ordinary(profile, &sound, options)?;
+        let Ordinary { mut fit, .. } = ordinary(profile, &sound, options)?;
+        // Its distances are those of all points, so what asks for points that count alike has to know.
+        fit.bias_correction = BiasCorrection::Left(Uncorrected::Weighted);
+        return Ok(fit);
+    }
+    if let Some(fit) = by_even_folds(profile, options, &prior) {
         return Ok(fit);
     }
     let (first, ordered) = at_first(profile);
@@ -97,6 +106,75 @@ pub(super) fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, E
         }
         let Ordinary { fit, outline, kept, order } = start;
         return Ok(finished(points, HemFit { evaluations, ..fit }, &Setting { outline, kept, order, counted, prior, options }));
+    }
+    unreachable!("the last round returns")
+}
+
+/// The fit where even folds tell the sound points; `None` where they do not, or where what they lead to is no sane free optimum.
+///
+/// The gross errors are put where the folds say, so that the outline has neither holes nor strays; the ordinary fit to that is the start.
+fn by_even_folds(profile: &DrapeProfile, options: &Options, prior: &[f64]) -> Option<HemFit> {
+    let points = profile.points();
+    let mut input = in_input_order(profile);
+    let in_order = |input: &[usize]| input.iter().map(|&i| points[i]).collect::<Vec<Point>>();
+    if clockwise(&in_order(&input)) {
+        input.reverse();
+    }
+    let (from, to) = match options.folds {
+        Folds::Among { from, to } => (from.max(2), to),
+        Folds::Exactly(m) => (m, m),
+    };
+    let mended = Mended::of(&in_order(&input), from, to)?;
+    let weight = |i: usize| prior.get(i).copied().unwrap_or(1.0);
+    // By place in the input.
+    let mut sound: Vec<bool> = input.iter().zip(&mended.placed).map(|(&i, placed)| *placed && 0.0 < weight(i)).collect();
+    let mut evaluations = 0;
+    for round in 1.. {
+        if 2 * sound.iter().filter(|s| **s).count() < points.len().max(2 * FEWEST_POINTS) {
+            return None;
+        }
+        let whole = DrapeProfile::new(&mended.points(&sound)).ok()?;
+        let fit = folds::fit(&whole, &Options { loss: Loss::Squares, weights: None, bias_correction: false, ..options.clone() }).ok()?;
+        evaluations += fit.evaluations;
+        if !matches!(fit.termination, Termination::Converged | Termination::LengthAsAsked) {
+            return None;
+        }
+        let mut known = vec![None; points.len()];
+        for (place, &k) in whole.source_index().iter().enumerate().filter(|(_, k)| sound[**k]) {
+            known[input[k]] = Some((fit.feet[place], fit.distances[place]));
+        }
+        let (feet, distances): (Vec<f64>, Vec<f64>) = points
+            .iter()
+            .zip(known)
+            .map(|(point, known)| {
+                known.unwrap_or_else(|| {
+                    let foot = nearest(&fit.hem, centred(*point, &fit.placement), 12);
+                    (foot.t, foot.distance())
+                })
+            })
+            .unzip();
+        let weighted: Vec<f64> = distances.iter().enumerate().map(|(i, d)| d * weight(i).sqrt()).collect();
+        let mut among_sound = vec![0.0; points.len()];
+        input.iter().zip(&sound).for_each(|(&i, s)| among_sound[i] = f64::from(u8::from(*s)));
+        let near = (SOUND * median_scale(&weighted, &among_sound)).max(1e-9 * fit.hem.p);
+        let counted: Vec<bool> = (0..points.len()).map(|i| 0.0 < weight(i) && weighted[i].abs() <= near).collect();
+        let next: Vec<bool> = input.iter().zip(&mended.placed).map(|(&i, placed)| *placed && counted[i]).collect();
+        let changed = next.iter().zip(&sound).filter(|(a, b)| a != b).count();
+        if points.len() / 200 < changed && round < EVEN_ROUNDS {
+            sound = next;
+            continue;
+        }
+        let places: Vec<usize> = whole.source_index().iter().copied().filter(|&k| sound[k]).collect();
+        let setting = Setting {
+            outline: smooth(&whole),
+            kept: places.iter().map(|&k| points[input[k]]).collect(),
+            order: places.iter().map(|&k| input[k]).collect(),
+            counted,
+            prior: prior.to_vec(),
+            options,
+        };
+        let fit = finished(points, HemFit { feet, distances, evaluations, ..fit }, &setting);
+        return fit.robust.as_ref().is_some_and(|robust| !robust.rounds.is_empty()).then_some(fit);
     }
     unreachable!("the last round returns")
 }

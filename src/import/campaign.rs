@@ -95,6 +95,12 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
     Ok(Imported { campaign, profiles, quarantine, sources, silhouettes, notes })
 }
 
+/// What to say of weights, which the fits of a campaign do not take.
+fn unused_weights(run: &Run, profile: &table::NamedProfile) -> Option<String> {
+    (!profile.weights.is_empty())
+        .then(|| format!("run {}: the weights of its points are not used in a campaign; “hemline fit” uses them", run.id))
+}
+
 /// The design table, in whichever format it is; there may be one only.
 fn design_table(folder: &Path) -> Result<PathBuf, Error> {
     const NAMES: [&str; 10] = ["csv", "csv.gz", "tsv", "txt", "xlsx", "xls", "ods", "parquet", "arrow", "feather"];
@@ -206,7 +212,9 @@ impl Profiles<'_> {
         let name = name_of_run(&names, &run.id)?;
         let faults = table.quarantine.iter().filter(|q| q.run.as_deref() == Some(name));
         self.quarantine.extend(faults.map(|fault| Quarantined { run: Some(run.id.clone()), ..fault.clone() }));
-        let found = table.profiles.iter().find(|p| p.name == name).map(|p| p.profile.clone());
+        let found = table.profiles.iter().find(|p| p.name == name);
+        self.notes.extend(found.and_then(|p| unused_weights(run, p)));
+        let found = found.map(|p| p.profile.clone());
         if !run.profile.as_os_str().is_empty() && self.folder.join(&run.profile).is_file() {
             self.stored_beside.push(run.id.clone());
         }
@@ -318,7 +326,9 @@ impl Profiles<'_> {
             [only] => only.to_owned(),
             _ => name_of_run(&names, &run.id).unwrap_or(&run.id).to_owned(),
         };
-        let found = table.profiles.iter().find(|p| p.name == name).map(|p| p.profile.clone());
+        let found = table.profiles.iter().find(|p| p.name == name);
+        self.notes.extend(found.and_then(|p| unused_weights(run, p)));
+        let found = found.map(|p| p.profile.clone());
         let mut faults: Vec<Quarantined> = table.quarantine.iter().filter(|q| q.run.as_deref() == Some(&name)).cloned().collect();
         if found.is_none() && faults.is_empty() {
             faults.push(Quarantined {

@@ -35,6 +35,13 @@ pub struct NamedProfile {
     pub weights: Vec<f64>,
 }
 
+impl NamedProfile {
+    /// The weight of each point of the profile, in its order; `None` if the table has none.
+    pub fn weights_in_order(&self) -> Option<Vec<f64>> {
+        (!self.weights.is_empty()).then(|| self.profile.source_index().iter().map(|&k| self.weights[k]).collect())
+    }
+}
+
 /// How one table of a file was read, for a person to check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
