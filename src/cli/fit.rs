@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::mesh::Frame;
 use super::pictures::{PictureFlags, write_overlay};
 use super::told::Told;
-use super::{folds, hem_length, interval_kind, level, on_off};
+use super::{batch, folds, hem_length, interval_kind, level, on_off};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
 use crate::experiment::campaign::{Folds, HemLength};
@@ -37,7 +37,7 @@ use crate::units::CENTIMETRE;
 hemline fit photo.jpg --disc-mm 180 --overlay look\n  hemline fit photo.jpg --checkerboard-mm 10 --camera-height-mm 1500 --hem-height-mm -80\n  \
 hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n  \
 hemline fit skirt.csv --intervals profile --level 0.99\n  hemline fit skirt.csv --intervals bootstrap --replicates 2000 --seed 7\n  \
-hemline fit skirt.csv --table models\n\n\
+hemline fit skirt.csv --table models\n  hemline fit campaign.parquet --into fits\n\n\
 Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
 (compare rms_mm and explained_share) they are too small.\n\n\
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
@@ -90,6 +90,12 @@ pub struct Fit {
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
     pub json: bool,
+    /// For campaigns too large for memory, from Parquet: write the rows into this folder, part by part; a run that was stopped goes on where it was.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "table", "overlay"])]
+    pub into: Option<PathBuf>,
+    /// Throw away the parts that the folder of --into has, and begin anew.
+    #[arg(long, requires = "into")]
+    pub again: bool,
     #[command(flatten)]
     pub told: Told,
 }
@@ -107,6 +113,11 @@ pub enum Print {
 /// # Errors
 /// That of the only file, if there is one only; with several files a file that cannot be read is said and left out.
 pub fn run(args: &Fit) -> Result<ExitCode, Error> {
+    let options = options(args)?;
+    let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
+    if let Some(folder) = &args.into {
+        return batch::run(&batch::Batches { files: &args.files, folder, again: args.again, told: &args.told, options, wanted });
+    }
     let mut profiles: Vec<(String, DrapeProfile)> = Vec::new();
     let mut whole = true;
     for file in &args.files {
@@ -125,15 +136,6 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
             }
         }
     }
-    let options = fit::Options {
-        folds: args.folds,
-        length: args.hem_length_cm,
-        bias_correction: args.bias_correction,
-        limits: limits(args)?,
-        loss: args.loss,
-        ..fit::Options::default()
-    };
-    let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
     let results: Vec<Result<HemFit, String>> = profiles
         .par_iter()
         .map(|(_, profile)| {
@@ -179,6 +181,18 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         return Ok(ExitCode::from(2));
     }
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// What is asked of every fit.
+fn options(args: &Fit) -> Result<fit::Options, Error> {
+    Ok(fit::Options {
+        folds: args.folds,
+        length: args.hem_length_cm,
+        bias_correction: args.bias_correction,
+        limits: limits(args)?,
+        loss: args.loss,
+        ..fit::Options::default()
+    })
 }
 
 /// Parses the name of a loss.
