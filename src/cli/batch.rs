@@ -17,7 +17,7 @@ use crate::fit::{self, HemFit};
 use crate::import::batch::{Batch, Stretch};
 use crate::report::output;
 use crate::report::table::{FitRow, fits, quarantine};
-use crate::study::intervals::{self, intervals};
+use crate::study::intervals::{self, Quantile, intervals_remembering};
 
 /// What to fit, and where the parts go.
 pub(super) struct Batches<'a> {
@@ -25,6 +25,8 @@ pub(super) struct Batches<'a> {
     pub folder: &'a Path,
     /// Throw away what the folder has.
     pub again: bool,
+    /// Rows of a part, about.
+    pub part_rows: usize,
     pub told: &'a Told,
     pub options: fit::Options,
     pub wanted: intervals::Options,
@@ -40,6 +42,7 @@ struct Manifest {
     sources: Vec<Measured>,
     options: String,
     intervals: String,
+    part_rows: usize,
     parts: usize,
 }
 
@@ -82,7 +85,7 @@ pub(super) fn run(args: &Batches<'_>) -> Result<ExitCode, Error> {
     for batch in &batches {
         eprintln!("note: {}: {}", batch.source.file.display(), batch.reading);
     }
-    let stretches: Vec<Vec<Vec<Stretch>>> = batches.iter().map(scan).collect::<Result<_, _>>()?;
+    let stretches: Vec<Vec<Vec<Stretch>>> = batches.iter().map(|batch| scan(batch, args.part_rows)).collect::<Result<_, _>>()?;
     let scattered: Vec<BTreeSet<String>> = stretches.iter().map(|units| repeated(units.iter().flatten())).collect();
     note_shared(&stretches);
     let mut parts: Vec<Part<'_>> = Vec::new();
@@ -132,8 +135,9 @@ pub(super) fn run(args: &Batches<'_>) -> Result<ExitCode, Error> {
 }
 
 /// Which rows hold which profile, by the unit in which it begins.
-fn scan(batch: &Batch) -> Result<Vec<Vec<Stretch>>, Error> {
-    let mut units: Vec<Vec<Stretch>> = batch.units().into_par_iter().map(|rows| batch.stretches(rows)).collect::<Result<_, _>>()?;
+fn scan(batch: &Batch, part_rows: usize) -> Result<Vec<Vec<Stretch>>, Error> {
+    let mut units: Vec<Vec<Stretch>> =
+        batch.units(part_rows).into_par_iter().map(|rows| batch.stretches(rows)).collect::<Result<_, _>>()?;
     let mut last: Option<usize> = None;
     for unit in 0..units.len() {
         let (before, here) = units.split_at_mut(unit);
@@ -186,6 +190,7 @@ fn prepare(args: &Batches<'_>, batches: &[Batch], parts: usize) -> Result<(), Er
         sources: batches.iter().map(measured).collect(),
         options: format!("{:?} {:?}", args.options, args.told.dialect()),
         intervals: format!("{:?}", args.wanted),
+        part_rows: args.part_rows,
         parts,
     };
     let path = args.folder.join(MANIFEST);
@@ -205,7 +210,7 @@ fn prepare(args: &Batches<'_>, batches: &[Batch], parts: usize) -> Result<(), Er
             ("from other files", begun.sources != manifest.sources),
             ("with other options", begun.options != manifest.options),
             ("with other intervals", begun.intervals != manifest.intervals),
-            ("in other parts", begun.parts != manifest.parts),
+            ("in other parts", (begun.part_rows, begun.parts) != (manifest.part_rows, manifest.parts)),
         ];
         let differ: Vec<&str> = differ.into_iter().filter(|(_, differs)| *differs).map(|(what, _)| what).collect();
         if !differ.is_empty() {
@@ -262,13 +267,14 @@ fn fit_part(part: &Part<'_>, args: &Batches<'_>) -> Result<Tally, Error> {
     let (outlines, mut set_aside): (Vec<_>, Vec<Quarantined>) = part.batch.read(&part.stretches)?;
     // Without cloth and cut there is no λ; the table says so in its own column.
     let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
+    let mut quantile = Quantile::default();
     let mut table = fits([]);
     let mut tally = Tally { profiles: part.stretches.iter().filter(|s| !s.name.is_empty()).count(), ..Tally::default() };
     set_aside.extend(part.stretches.iter().filter(|s| part.scattered.contains(&s.name)).map(|s| part.batch.scattered(s)));
     for outline in outlines.iter().filter(|outline| !part.scattered.contains(&outline.name)) {
         let options = fit::Options { weights: outline.weights.clone(), ..args.options.clone() };
         let result: Result<HemFit, String> = fit::fit(&outline.profile, &options).map_err(|e| e.to_string()).map(|mut fitted| {
-            fitted.intervals = Some(intervals(&outline.profile, &fitted, &args.wanted));
+            fitted.intervals = Some(intervals_remembering(&outline.profile, &fitted, &args.wanted, &mut quantile));
             fitted
         });
         if result.is_ok() {

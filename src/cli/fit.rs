@@ -96,6 +96,9 @@ pub struct Fit {
     /// Throw away the parts that the folder of --into has, and begin anew.
     #[arg(long, requires = "into")]
     pub again: bool,
+    /// Rows of a part of --into, about: each thread holds one part in memory.
+    #[arg(long, default_value = "262144", value_name = "N", value_parser = clap::value_parser!(u32).range(1000..=100_000_000), requires = "into")]
+    pub part_rows: u32,
     #[command(flatten)]
     pub told: Told,
 }
@@ -116,9 +119,17 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     let options = options(args)?;
     let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
     if let Some(folder) = &args.into {
-        return batch::run(&batch::Batches { files: &args.files, folder, again: args.again, told: &args.told, options, wanted });
+        return batch::run(&batch::Batches {
+            files: &args.files,
+            folder,
+            again: args.again,
+            part_rows: args.part_rows as usize,
+            told: &args.told,
+            options,
+            wanted,
+        });
     }
-    let mut profiles: Vec<(String, DrapeProfile)> = Vec::new();
+    let mut profiles: Vec<Weighed> = Vec::new();
     let mut whole = true;
     for file in &args.files {
         match read(file, args) {
@@ -138,7 +149,8 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     }
     let results: Vec<Result<HemFit, String>> = profiles
         .par_iter()
-        .map(|(_, profile)| {
+        .map(|(_, profile, weights)| {
+            let options = fit::Options { weights: weights.clone(), ..options.clone() };
             let mut fitted = fit::fit(profile, &options).map_err(|e| e.to_string())?;
             fitted.intervals = Some(intervals(profile, &fitted, &wanted));
             Ok(fitted)
@@ -146,7 +158,7 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         .collect();
     // Without cloth and cut there is no λ; the table says so in its own column.
     let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
-    let rows = profiles.iter().zip(&results).map(|((name, profile), fit)| FitRow {
+    let rows = profiles.iter().zip(&results).map(|((name, profile, _), fit)| FitRow {
         run: name,
         profile: Some(profile),
         fit,
@@ -156,9 +168,9 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     let compared: Vec<Option<Irregular>> = if args.table == Print::Fits {
         vec![]
     } else {
-        profiles.par_iter().zip(&results).map(|((_, profile), fit)| Some(irregular(profile, fit.as_ref().ok()?))).collect()
+        profiles.par_iter().zip(&results).map(|((_, profile, _), fit)| Some(irregular(profile, fit.as_ref().ok()?))).collect()
     };
-    let uneven = || profiles.iter().zip(&compared).filter_map(|((name, _), i)| Some((name.as_str(), i.as_ref()?)));
+    let uneven = || profiles.iter().zip(&compared).filter_map(|((name, ..), i)| Some((name.as_str(), i.as_ref()?)));
     let table = match args.table {
         Print::Fits => fits(rows),
         Print::Models => report::irregular::models(uneven()),
@@ -171,7 +183,7 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => return Ok(ExitCode::SUCCESS),
         other => other.map_err(|source| Error::file("stdout", source))?,
     }
-    for ((name, _), result) in profiles.iter().zip(&results) {
+    for ((name, ..), result) in profiles.iter().zip(&results) {
         if let Err(reason) = result {
             eprintln!("not fitted: {name}: {reason}");
             whole = false;
@@ -256,7 +268,10 @@ fn limits(args: &Fit) -> Result<Limits, Error> {
 }
 
 /// The profiles of one file, and what was set aside, in sentences.
-type Read = (Vec<(String, DrapeProfile)>, Vec<String>);
+type Read = (Vec<Weighed>, Vec<String>);
+
+/// A profile with its name and, where the table has them, the weights of its points.
+type Weighed = (String, DrapeProfile, Option<Vec<f64>>);
 
 fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
     if image::is_picture(file) {
@@ -277,20 +292,24 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
             let drawing = write_overlay(&name, &words::file_stem(&whole.replace('.', "_")), &silhouette, folder)?;
             eprintln!("drawn: {}", drawing.display());
         }
-        return Ok((vec![(name, silhouette.profile)], vec![]));
+        return Ok((vec![(name, silhouette.profile, None)], vec![]));
     }
     if mesh::is_mesh(file) {
         let hem = mesh::hem(file, &mesh::Options { frame: args.frame.meshes(), ..mesh::Options::default() })?;
         for note in &hem.notes {
             eprintln!("note: {}: {note}", file.display());
         }
-        return Ok((vec![(stem(file), hem.profile)], vec![]));
+        return Ok((vec![(stem(file), hem.profile, None)], vec![]));
     }
     let table = table::read(file, &args.told.dialect())?;
     for note in &table.notes {
         eprintln!("note: {}: {note}", file.display());
     }
-    let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
+    let profiles = table.profiles.into_iter().map(|p| {
+        let weights = (!p.weights.is_empty()).then(|| p.profile.source_index().iter().map(|&i| p.weights[i]).collect());
+        (p.name, p.profile, weights)
+    });
+    let profiles = profiles.collect();
     Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
 }
 

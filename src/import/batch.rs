@@ -22,8 +22,6 @@ use super::source::fnv_1a;
 use crate::error::{Error, Place};
 use crate::experiment::{DrapeProfile, Point, Quarantined, Source};
 
-/// Rows of a unit of work, about: a few hundred profiles, so that units outnumber cores, and some tens of megabytes with all that is made of them.
-const UNIT_ROWS: usize = 1 << 18;
 /// Rows that show how the columns are to be read.
 const SAMPLE_ROWS: usize = 100;
 /// Stretches of fewer rows than this on average are no outlines, but points in another order.
@@ -144,16 +142,17 @@ impl Batch {
         self.metadata.num_rows
     }
 
-    /// Ranges of rows for one unit of work each, ascending: row groups, small ones together, large ones in equal slices.
-    pub fn units(&self) -> Vec<Range<usize>> {
+    /// Ranges of rows for one unit of work each, ascending: row groups, small ones together, large ones in equal slices of at
+    /// most `most` rows.
+    pub fn units(&self, most: usize) -> Vec<Range<usize>> {
         let mut units: Vec<Range<usize>> = Vec::new();
         let mut first = 0;
         for group in &self.metadata.row_groups {
             let (rows, end) = (group.num_rows(), first + group.num_rows());
             match units.last_mut() {
-                Some(last) if end - last.start <= UNIT_ROWS => last.end = end,
+                Some(last) if end - last.start <= most => last.end = end,
                 _ => {
-                    let slices = rows.div_ceil(UNIT_ROWS);
+                    let slices = rows.div_ceil(most);
                     units.extend((0..slices).map(|i| first + rows * i / slices..first + rows * (i + 1) / slices));
                 }
             }
