@@ -81,18 +81,18 @@ fn joined(folder: &Path, kind: &str) -> Vec<String> {
 fn parts_hold_the_rows_that_fit_prints_whatever_the_row_groups_and_the_threads() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
-    let rows = campaign(200);
-    // 1000 rows a group: nearly every group ends within a profile; 500: groups are put together; 14400: one group is cut into slices.
-    for group in [500, 1000, 14_400] {
+    let rows = campaign(150);
+    // 1000 rows a group: nearly every group ends within a profile; 500: groups are put together; 10800: one group is cut into slices.
+    for group in [500, 1000, 10_800] {
         write(&at.join("campaign.parquet"), &rows, None, group);
-        let printed = hemline(at, 2, &["fit", "campaign.parquet"]);
+        let printed = hemline(at, 2, &["fit", "campaign.parquet", "--folds", "4-8"]);
         let expected: Vec<String> = String::from_utf8(printed.stdout).expect("text").lines().map(String::from).collect();
-        assert_eq!(expected.len(), 201);
+        assert_eq!(expected.len(), 151);
         for threads in [1, 2] {
             let into = format!("of {group} on {threads}");
-            let output = hemline(at, threads, &["fit", "campaign.parquet", "--into", &into, "--part-rows", "2000"]);
+            let output = hemline(at, threads, &["fit", "campaign.parquet", "--folds", "4-8", "--into", &into, "--part-rows", "2000"]);
             assert!(output.status.success(), "{}", said(&output));
-            assert!(said(&output).contains("200 profiles in "), "{}", said(&output));
+            assert!(said(&output).contains("150 profiles in "), "{}", said(&output));
             assert_eq!(joined(&at.join(&into), "part-"), expected, "{into}");
         }
         let [one, two] = [1, 2].map(|threads| contents(&at.join(format!("of {group} on {threads}"))));
