@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::mesh::Frame;
 use super::pictures::{PictureFlags, write_overlay};
 use super::told::Told;
-use super::{folds, hem_length, interval_kind, level, on_off};
+use super::{batch, folds, hem_length, interval_kind, level, on_off};
 use crate::error::Error;
 use crate::experiment::DrapeProfile;
 use crate::experiment::campaign::{Folds, HemLength};
@@ -37,7 +37,7 @@ use crate::units::CENTIMETRE;
 hemline fit photo.jpg --disc-mm 180 --overlay look\n  hemline fit photo.jpg --checkerboard-mm 10 --camera-height-mm 1500 --hem-height-mm -80\n  \
 hemline fit skirt.csv --folds 6 --hem-length-cm 163.4\n  \
 hemline fit skirt.csv --intervals profile --level 0.99\n  hemline fit skirt.csv --intervals bootstrap --replicates 2000 --seed 7\n  \
-hemline fit skirt.csv --table models\n\n\
+hemline fit skirt.csv --table models\n  hemline fit campaign.parquet --into fits\n\n\
 Lengths are in mm, the phase in rad. Standard errors are those of independent errors in the points: where the curve itself fits badly\n\
 (compare rms_mm and explained_share) they are too small.\n\n\
 Exit code: 0 every profile is fitted, 1 some is not (stderr says which and why), 2 nothing could be read."
@@ -90,6 +90,15 @@ pub struct Fit {
     /// Write JSON instead of CSV: one object per profile, null where a quantity does not exist.
     #[arg(long)]
     pub json: bool,
+    /// For campaigns too large for memory, from Parquet: write the rows into this folder, part by part; a run that was stopped goes on where it was.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "table", "overlay"])]
+    pub into: Option<PathBuf>,
+    /// Throw away the parts that the folder of --into has, and begin anew.
+    #[arg(long, requires = "into")]
+    pub again: bool,
+    /// Rows of a part of --into, about: each thread holds one part in memory.
+    #[arg(long, default_value = "262144", value_name = "N", value_parser = clap::value_parser!(u32).range(1000..=100_000_000), requires = "into")]
+    pub part_rows: u32,
     #[command(flatten)]
     pub told: Told,
 }
@@ -107,9 +116,20 @@ pub enum Print {
 /// # Errors
 /// That of the only file, if there is one only; with several files a file that cannot be read is said and left out.
 pub fn run(args: &Fit) -> Result<ExitCode, Error> {
-    let mut profiles: Vec<(String, DrapeProfile)> = Vec::new();
-    // Beside the profiles, in the order of their points; `None` where the file has none.
-    let mut weights: Vec<Option<Vec<f64>>> = Vec::new();
+    let options = options(args)?;
+    let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
+    if let Some(folder) = &args.into {
+        return batch::run(&batch::Batches {
+            files: &args.files,
+            folder,
+            again: args.again,
+            part_rows: args.part_rows as usize,
+            told: &args.told,
+            options,
+            wanted,
+        });
+    }
+    let mut profiles: Vec<Weighed> = Vec::new();
     let mut whole = true;
     for file in &args.files {
         match read(file, args) {
@@ -129,19 +149,9 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
             }
         }
     }
-    let options = fit::Options {
-        folds: args.folds,
-        length: args.hem_length_cm,
-        bias_correction: args.bias_correction,
-        limits: limits(args)?,
-        loss: args.loss,
-        ..fit::Options::default()
-    };
-    let wanted = intervals::Options { kind: args.intervals, level: args.level, replicates: args.replicates as usize, seed: args.seed };
     let results: Vec<Result<HemFit, String>> = profiles
         .par_iter()
-        .zip(&weights)
-        .map(|((_, profile), weights)| {
+        .map(|(_, profile, weights)| {
             let options = fit::Options { weights: weights.clone(), ..options.clone() };
             let mut fitted = fit::fit(profile, &options).map_err(|e| e.to_string())?;
             fitted.intervals = Some(intervals(profile, &fitted, &wanted));
@@ -150,22 +160,22 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         .collect();
     // Without cloth and cut there is no λ; the table says so in its own column.
     let lambda = Lambda { missing: Some("cloth and cut are not known".into()), ..Lambda::default() };
-    let rows = profiles.iter().zip(&results).map(|((name, profile), fit)| FitRow {
+    let rows = profiles.iter().zip(&results).map(|((name, profile, _), fit)| FitRow {
         run: name,
         profile: Some(profile),
         fit,
         lambda: &lambda,
         study: None,
     });
-    if args.table != Print::Fits && weights.iter().any(Option::is_some) {
+    if args.table != Print::Fits && profiles.iter().any(|(_, _, weights)| weights.is_some()) {
         eprintln!("note: equal folds of any shape and the free outline do not use the weights of the points");
     }
     let compared: Vec<Option<Irregular>> = if args.table == Print::Fits {
         vec![]
     } else {
-        profiles.par_iter().zip(&results).map(|((_, profile), fit)| Some(irregular(profile, fit.as_ref().ok()?))).collect()
+        profiles.par_iter().zip(&results).map(|((_, profile, _), fit)| Some(irregular(profile, fit.as_ref().ok()?))).collect()
     };
-    let uneven = || profiles.iter().zip(&compared).filter_map(|((name, _), i)| Some((name.as_str(), i.as_ref()?)));
+    let uneven = || profiles.iter().zip(&compared).filter_map(|((name, ..), i)| Some((name.as_str(), i.as_ref()?)));
     let table = match args.table {
         Print::Fits => fits(rows),
         Print::Models => report::irregular::models(uneven()),
@@ -178,7 +188,7 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => return Ok(ExitCode::SUCCESS),
         other => other.map_err(|source| Error::file("stdout", source))?,
     }
-    for ((name, _), result) in profiles.iter().zip(&results) {
+    for ((name, ..), result) in profiles.iter().zip(&results) {
         if let Err(reason) = result {
             eprintln!("not fitted: {name}: {reason}");
             whole = false;
@@ -188,6 +198,18 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
         return Ok(ExitCode::from(2));
     }
     Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// What is asked of every fit.
+fn options(args: &Fit) -> Result<fit::Options, Error> {
+    Ok(fit::Options {
+        folds: args.folds,
+        length: args.hem_length_cm,
+        bias_correction: args.bias_correction,
+        limits: limits(args)?,
+        loss: args.loss,
+        ..fit::Options::default()
+    })
 }
 
 /// Parses the name of a loss.
@@ -250,8 +272,11 @@ fn limits(args: &Fit) -> Result<Limits, Error> {
     Ok(limits)
 }
 
-/// The profiles of one file, the weights of their points where it is a table (none otherwise), and what was set aside, in sentences.
-type Read = (Vec<(String, DrapeProfile)>, Vec<Option<Vec<f64>>>, Vec<String>);
+/// The profiles of one file, and what was set aside, in sentences.
+type Read = (Vec<Weighed>, Vec<String>);
+
+/// A profile with its name and, where the table has them, the weights of its points.
+type Weighed = (String, DrapeProfile, Option<Vec<f64>>);
 
 fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
     if image::is_picture(file) {
@@ -272,22 +297,25 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
             let drawing = write_overlay(&name, &words::file_stem(&whole.replace('.', "_")), &silhouette, folder)?;
             eprintln!("drawn: {}", drawing.display());
         }
-        return Ok((vec![(name, silhouette.profile)], vec![], vec![]));
+        return Ok((vec![(name, silhouette.profile, None)], vec![]));
     }
     if mesh::is_mesh(file) {
         let hem = mesh::hem(file, &mesh::Options { frame: args.frame.meshes(), ..mesh::Options::default() })?;
         for note in &hem.notes {
             eprintln!("note: {}: {note}", file.display());
         }
-        return Ok((vec![(stem(file), hem.profile)], vec![], vec![]));
+        return Ok((vec![(stem(file), hem.profile, None)], vec![]));
     }
     let table = table::read(file, &args.told.dialect())?;
     for note in &table.notes {
         eprintln!("note: {}: {note}", file.display());
     }
-    let weights = table.profiles.iter().map(table::NamedProfile::weights_in_order).collect();
-    let profiles = table.profiles.into_iter().map(|p| (p.name, p.profile)).collect();
-    Ok((profiles, weights, table.quarantine.iter().map(ToString::to_string).collect()))
+    let profiles = table.profiles.into_iter().map(|p| {
+        let weights = (!p.weights.is_empty()).then(|| p.profile.source_index().iter().map(|&i| p.weights[i]).collect());
+        (p.name, p.profile, weights)
+    });
+    let profiles = profiles.collect();
+    Ok((profiles, table.quarantine.iter().map(ToString::to_string).collect()))
 }
 
 /// What a profile is called whose file holds only one.

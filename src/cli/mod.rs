@@ -1,5 +1,6 @@
 //! One file per command: arguments → options → library call → report.
 
+mod batch;
 pub mod check;
 pub mod fit;
 pub mod import;

@@ -32,11 +32,20 @@ const DETOUR: f64 = 1.5;
 /// A tour is the curve itself, not a zigzag through noise, if every second point gives nearly the same length. Noise of a third of the
 /// spacing gives 0.93, a tour through a plane cloud below 0.85.
 const SMOOTH: f64 = 0.9;
+/// Plainly in order is an outline without a step so many times longer than is usual …
+const MOST_STEPS: f64 = 8.0;
+/// … that goes back by less than an eighth of a turn about its middle, all in all, rad …
+const MOST_BACK: f64 = std::f64::consts::FRAC_PI_4;
+/// … and turns back on the spot at no more than this share of its points: with eight steps each, they add a sixth to its length, far from [`DETOUR`].
+const MOST_REVERSALS: f64 = 0.02;
 
 /// `None` if the given order goes round the outline; else the order that does, as indices into `points`.
 ///
 /// Points are finite and distinct, at least four. O(n log n), but for the exchanges of the tour, which are few on a curve.
 pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
+    if plainly_in_order(points) {
+        return None;
+    }
     let tree = Neighbours::new(points);
     let astray = astray(points);
     let (kept, shortest_possible) = not_isolated(points, &tree, &astray);
@@ -58,6 +67,50 @@ pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
     let scrambled_nearby = smooth && DETOUR * short.length() < length;
     // A few misplaced points in wide noise do less harm than a tour that zigzags through it.
     ((misplaced && (smooth || !few_jumps)) || scrambled_nearby).then_some(order)
+}
+
+/// Whether the order goes round the mean point once, hardly ever back, in steps none of which can be a jump: then all that follows would keep it.
+///
+/// Going round alone is not enough: the points of an overhanging fold, sorted by angle, go to and fro between its flanks. So turns back on the
+/// spot are counted too. Any doubt is left to the neighbours; O(n), without trigonometry.
+fn plainly_in_order(points: &[Point]) -> bool {
+    let n = points.len();
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.x, y + p.y));
+    let middle = Point::new(x / n as f64, y / n as f64);
+    let steps = (0..n).map(|i| squared_distance(points[i], points[(i + 1) % n]).sqrt());
+    let (sum, longest) = steps.fold((0.0, 0.0_f64), |(sum, longest), step| (sum + step, longest.max(step)));
+    // A step of k usual ones passes over some 2k points.
+    let most = MOST_STEPS.min(0.5 * JUMP_SHARE * n as f64);
+    if most * sum < longest * n as f64 {
+        return false;
+    }
+    let (mut turns, mut back, mut forth, mut reversals) = (0_i32, 0.0, 0.0, 0);
+    let (mut a, mut came) = (from(middle, points[n - 1]), from(points[n - 2], points[n - 1]));
+    for i in 0..n {
+        let (b, goes) = (from(middle, points[i]), from(points[(i + n - 1) % n], points[i]));
+        let cross = a.x * b.y - a.y * b.x;
+        let along = a.x * b.x + a.y * b.y;
+        // Less than an eighth of a turn seen from the middle, where the tangent is a bound of the angle.
+        if along <= cross.abs() {
+            return false;
+        }
+        let tangent = cross / along;
+        if tangent < 0.0 {
+            back -= tangent
+        } else {
+            forth += tangent
+        }
+        // Crossings of the half axis x > 0, up and down.
+        turns += i32::from(a.y < 0.0 && 0.0 <= b.y && 0.0 < a.x) - i32::from(b.y < 0.0 && 0.0 <= a.y && 0.0 < b.x);
+        reversals += usize::from(came.x * goes.x + came.y * goes.y < 0.0);
+        (a, came) = (b, goes);
+    }
+    turns.abs() == 1 && back.min(forth) <= MOST_BACK && reversals as f64 <= MOST_REVERSALS * n as f64
+}
+
+/// The way from one point to another, m.
+fn from(start: Point, end: Point) -> Point {
+    Point::new(end.x - start.x, end.y - start.y)
 }
 
 /// Points that lie far from the middle of their neighbours in the given order, which are near each other: gross outliers of an outline in order.
@@ -299,6 +352,59 @@ mod tests {
         let order = reorder(&halves).expect("two branches are not a ring");
         let back: Vec<usize> = order.iter().map(|&i| if i < 90 { i } else { 269 - i }).collect();
         assert_eq!(right_links(&back), 180);
+    }
+
+    #[test]
+    fn points_of_an_overhanging_hem_sorted_by_angle_are_not_plainly_in_order() {
+        let points = hem(360, 8.0, 0.06, 0.03);
+        assert_eq!(reorder(&points), None);
+        let angle = |i: &usize| points[*i].y.atan2(points[*i].x);
+        let mut sorted: Vec<usize> = (0..360).collect();
+        sorted.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        assert!(right_links(&sorted) < 300, "the hem does not overhang");
+        assert!(!plainly_in_order(&sorted.iter().map(|&i| points[i]).collect::<Vec<_>>()));
+    }
+
+    #[test]
+    fn what_is_plainly_in_order_is_so_in_both_directions_with_and_without_noise() {
+        let mut random = ChaCha8Rng::seed_from_u64(8);
+        for n in [90, 360, 10_000] {
+            let points = hem(n, 5.0, 0.04, 0.005);
+            // A sixth of the mean spacing.
+            let noisy = shaken(&points, 0.2 / n as f64, &mut random);
+            for mut points in [points, noisy] {
+                assert!(plainly_in_order(&points), "{n} points");
+                points.reverse();
+                assert!(plainly_in_order(&points), "{n} points, clockwise");
+            }
+        }
+    }
+
+    #[test]
+    fn no_way_to_mix_up_an_outline_is_plainly_in_order() {
+        let mut random = ChaCha8Rng::seed_from_u64(9);
+        let points = hem(360, 6.0, 0.05, 0.01);
+        let mixed = |order: &[usize]| order.iter().map(|&i| points[i]).collect::<Vec<_>>();
+        let ring = || (0..360).collect::<Vec<usize>>();
+        // Two points far from each other exchanged; neighbours exchanged all round; a stretch turned round; every second point, then the others.
+        for at in 0..300 {
+            let mut order = ring();
+            order.swap(at, at + 40);
+            assert!(!plainly_in_order(&mixed(&order)), "{at}");
+            let mut order = ring();
+            order[at..at + 60].reverse();
+            assert!(!plainly_in_order(&mixed(&order)), "{at} turned round");
+        }
+        let mut order = ring();
+        order.chunks_mut(2).for_each(|pair| pair.reverse());
+        assert!(!plainly_in_order(&mixed(&order)));
+        order.sort_by_key(|i| (i % 2, *i));
+        assert!(!plainly_in_order(&mixed(&order)));
+        for block in [3, 5, 20, 360] {
+            let mut order = ring();
+            order.chunks_mut(block).for_each(|rows| rows.shuffle(&mut random));
+            assert!(!plainly_in_order(&mixed(&order)), "blocks of {block}");
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::neighbours::squared_distance;
 use super::ordering;
 use crate::error::Error;
 
@@ -70,8 +71,8 @@ impl DrapeProfile {
             distinct = order.iter().map(|&i| distinct[i]).collect();
         }
         let area = signed_area(&distinct);
-        let extent = distinct.iter().map(|p| p.distance(distinct[0])).fold(0.0, f64::max);
-        if area.abs() <= 1e-6 * extent * extent {
+        let extent = distinct.iter().map(|&p| squared_distance(p, distinct[0])).fold(0.0, f64::max);
+        if area.abs() <= 1e-6 * extent {
             return Err(Error::Unanswerable("a profile whose points lie on a line and enclose no area".into()));
         }
         if area < 0.0 {
@@ -104,6 +105,12 @@ impl DrapeProfile {
 
 /// Indices of the points that repeat no earlier one, ascending.
 fn first_occurrences(points: &[Point]) -> Vec<usize> {
+    // Where no two x are alike, and they hardly ever are, no two points are.
+    let mut abscissae: Vec<f64> = points.iter().map(|p| p.x + 0.0).collect();
+    abscissae.sort_unstable_by(f64::total_cmp);
+    if abscissae.windows(2).all(|pair| pair[0] != pair[1]) {
+        return (0..points.len()).collect();
+    }
     let mut sorted: Vec<usize> = (0..points.len()).collect();
     // Adding zero makes -0.0 the same place as 0.0.
     let key = |i: usize| (points[i].x + 0.0, points[i].y + 0.0);

@@ -92,6 +92,10 @@ const FAR_OFF: f64 = 0.3;
 /// # Errors
 /// [`Error::Unanswerable`] if the points cannot show the fold count asked for, or if no fold count gives a sane curve.
 pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
+    robust::check(profile.points().len(), options)?;
+    if options.weights.is_some() && alike(options) {
+        return fit(profile, &Options { weights: None, ..options.clone() });
+    }
     match Frame::of(profile) {
         Some(frame) => fit_here(&frame.profile(profile), &frame.options(options)).map(|fit| frame.back(fit)),
         None => fit_here(profile, options),
@@ -101,7 +105,6 @@ pub fn fit(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
 /// The fit of an outline about the origin and about a metre large.
 fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> {
     let points = profile.points();
-    robust::check(points.len(), options)?;
     if robust::concerns(options) {
         return robust::fit(profile, options);
     }
@@ -162,7 +165,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
 fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Options) -> Option<HemFit> {
-    if matches!(options.length, HemLength::Held(_)) || !alike(options) || !options.limits.none() {
+    if matches!(options.length, HemLength::Held(_)) || options.weights.is_some() || !options.limits.none() {
         return None;
     }
     let asked = swift::Options { gradient_tolerance: options.solver.gradient_tolerance, bias_correction: options.bias_correction };

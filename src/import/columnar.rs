@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, parquet: bool) -> Result<Headed,
     })
 }
 
-fn cell(value: AnyValue<'_>) -> Cell {
+pub(super) fn cell(value: AnyValue<'_>) -> Cell {
     match value {
         AnyValue::Null => Cell::default(),
         AnyValue::String(text) => Cell::text(text),

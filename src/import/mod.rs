@@ -3,6 +3,7 @@
 mod archive;
 pub mod campaign;
 mod campaign_file;
+pub mod batch;
 mod cells;
 mod check_table;
 mod column;

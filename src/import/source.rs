@@ -66,7 +66,7 @@ pub(super) fn digest_of(path: &Path) -> Result<String, Error> {
 }
 
 /// Fowler, Noll & Vo, variant 1a, 64 bit (IETF draft-eastlake-fnv): it finds accidental changes, not forgeries.
-fn fnv_1a(bytes: &[u8]) -> u64 {
+pub(super) fn fnv_1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 

@@ -41,8 +41,33 @@ const PARAMETERS: [Unknown; 4] = [Unknown::P, Unknown::Q, Unknown::S, Unknown::P
 /// Intervals of p, q, s and the phase of `fit`, which is a fit of `profile`. `None` for a quantity that has none, for the reason in
 /// [`HemFit::standard_error_missing`]; the profile likelihood needs no standard error and gives q its upper end also where that is missing.
 pub fn intervals(profile: &DrapeProfile, fit: &HemFit, options: &Options) -> Intervals {
+    intervals_remembering(profile, fit, options, &mut Quantile::default())
+}
+
+/// Student's quantile that was needed last. It costs as much as a good part of a fit, and the profiles of a campaign hardly differ in their points.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Quantile {
+    /// Level, degrees of freedom, quantile.
+    known: Option<(f64, usize, f64)>,
+}
+
+impl Quantile {
+    fn of(&mut self, level: f64, degrees_of_freedom: usize) -> f64 {
+        match self.known {
+            Some((of, degrees, quantile)) if of == level && degrees == degrees_of_freedom => quantile,
+            _ => {
+                let quantile = student_critical(1.0 - level, degrees_of_freedom as f64);
+                self.known = Some((level, degrees_of_freedom, quantile));
+                quantile
+            }
+        }
+    }
+}
+
+/// As [`intervals`], for many fits one after the other.
+pub fn intervals_remembering(profile: &DrapeProfile, fit: &HemFit, options: &Options, quantile: &mut Quantile) -> Intervals {
     let found = match options.kind {
-        Kind::Standard => (standard(fit, options.level), None),
+        Kind::Standard => (standard(fit, quantile.of(options.level, fit.degrees_of_freedom)), None),
         Kind::Profile => (likely(profile, fit, options.level), None),
         Kind::Bootstrap | Kind::CaseBootstrap => bootstrap(profile, fit, options),
     };
@@ -50,7 +75,7 @@ pub fn intervals(profile: &DrapeProfile, fit: &HemFit, options: &Options) -> Int
     Intervals { kind: options.kind, level: options.level, p, q, s, phase, replicates }
 }
 
-fn standard(fit: &HemFit, level: f64) -> [Option<Interval>; 4] {
+fn standard(fit: &HemFit, critical: f64) -> [Option<Interval>; 4] {
     let estimates = [
         Some((fit.hem.p, fit.p.standard_error)),
         fit.q.map(|e| (e.value, e.standard_error)),
@@ -59,7 +84,7 @@ fn standard(fit: &HemFit, level: f64) -> [Option<Interval>; 4] {
     ];
     estimates.map(|estimate| {
         let (value, error) = estimate?;
-        let half = student_critical(1.0 - level, fit.degrees_of_freedom as f64) * error?;
+        let half = critical * error?;
         Some(Interval { low: End::At(value - half), high: End::At(value + half) })
     })
 }
