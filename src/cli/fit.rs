@@ -133,10 +133,8 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     let mut whole = true;
     for file in &args.files {
         match read(file, args) {
-            Ok((found, weighed, set_aside)) => {
+            Ok((found, set_aside)) => {
                 profiles.extend(found);
-                weights.extend(weighed);
-                weights.resize(profiles.len(), None);
                 for sentence in &set_aside {
                     eprintln!("set aside: {sentence}");
                 }
