@@ -342,7 +342,10 @@ fn folds_below_the_noise_have_no_error_bars_but_an_upper_end() {
     // A test at the 5 % level lets one in twenty through; 95 ± 3 × 2.2 % here, some more for s, which is searched too.
     assert!(0.85 <= unsure.len() as f64 / fits.len() as f64, "{} of {}", unsure.len(), fits.len());
     let (mut bounded, mut mean) = (0, 0);
-    for (profile, fit) in unsure.iter().take(6) {
+    // Without folds the phase moves nothing, and one fit in six does not come to rest; it says so, and that is its reason.
+    let rested: Vec<_> = unsure.iter().filter(|(_, f)| f.termination == Termination::Converged).collect();
+    assert!(2 * fits.len() < 3 * rested.len(), "{} of {}", rested.len(), fits.len());
+    for (profile, fit) in rested.iter().take(6) {
         let why: Vec<_> = fit.standard_error_missing.iter().map(|m| (m.unknown, m.why)).collect();
         assert_eq!(why, [Unknown::Phase, Unknown::Q, Unknown::S].map(|u| (u, WhyMissing::FoldsWithinNoise)));
         assert!(fit.p.standard_error.is_some() && fit.covariance.is_none());

@@ -372,7 +372,10 @@ impl<'a> Work<'a> {
         let second = self.orthogonal_from(hem, placement, feet, length, termination);
         let evaluations = first.evaluations + second.evaluations;
         let better = (second.broken.is_none(), -second.sum_of_squares) > (first.broken.is_none(), -first.sum_of_squares);
-        Trial { evaluations, ..if better { second } else { first } }
+        // Folds that break a rule are not reported, but a round hem that they leave behind is no minimum.
+        let saddle = !better && second.sum_of_squares < first.sum_of_squares * (1.0 - 1e-9);
+        let termination = if saddle { Termination::Stalled } else { first.termination.clone() };
+        if better { Trial { evaluations, ..second } } else { Trial { evaluations, termination, ..first } }
     }
 
     fn orthogonal_from(&self, hem: Hem, placement: Placement, feet: Vec<f64>, length: Option<f64>, termination: Termination) -> Trial {
