@@ -416,6 +416,18 @@ mod imports {
     }
 
     #[test]
+    fn the_hem_of_a_mesh_is_a_source_too() {
+        let folder = TempDir::new().expect("a folder");
+        let into = campaign(&folder);
+        let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/meshes/skirt.glb");
+        let plan = tidy::plan(&[mesh], &into, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(plan.profiles, ["skirt"]);
+        assert!(matches!(plan.entries[0].content, Content::Mesh { points } if 12 <= points), "{:?}", plan.entries);
+        assert_eq!(plan.write().expect("writable"), ["profiles.parquet", "campaign.toml"]);
+        assert!(plan.write().expect("writable").is_empty(), "a second time changes nothing");
+    }
+
+    #[test]
     fn an_imported_campaign_loads_with_every_point_and_every_rejected_row() {
         let folder = TempDir::new().expect("a folder");
         let into = campaign(&folder);
@@ -429,7 +441,9 @@ mod imports {
         let plan = tidy::plan(&[folder.path().join("lab")], &into, &options).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(state(&into), before, "a plan changes nothing");
         assert_eq!((plan.profiles.join(" "), plan.total), ("3 4 1 2".into(), 4));
-        assert!(plan.entries.iter().any(|e| matches!(&e.content, Content::Nothing(why) if why.contains("neither table nor picture"))));
+        assert!(
+            plan.entries.iter().any(|e| matches!(&e.content, Content::Nothing(why) if why.contains("neither table, picture nor mesh")))
+        );
         assert_eq!(plan.would_change(), ["profiles.parquet", "quarantine.csv", "campaign.toml"]);
         assert_eq!(plan.write().expect("writable"), plan_paths());
         // The user's text is kept, and points at the store.

@@ -11,7 +11,7 @@ use super::told::Told;
 use crate::error::Error;
 use crate::import::tidy::{self, Content, Plan};
 
-/// Read profiles from tables and pictures, and add them to a campaign: one tidy Parquet file with the source, sheet and row of every point, and
+/// Read profiles from tables, pictures and meshes, and add them to a campaign: one tidy Parquet file with the source, sheet and row of every point, and
 /// quarantine.csv with everything that was set aside and why.
 ///
 /// Importing the same again changes nothing. A source that has changed takes the place of what it gave before. The campaign is never left half
@@ -23,7 +23,7 @@ A profile belongs to the run that it is named like: by its column `profile` (or 
 What is told here overrules [tables] in campaign.toml; docs/import.md describes both.\n\n\
 Exit code: 0 all was read, 1 something was set aside (it is named), 2 nothing could be imported, and nothing was changed.")]
 pub struct Import {
-    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz), pictures, folders of them, or patterns in quotes.
+    /// Tables (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz), pictures, meshes, folders of them, or patterns in quotes.
     #[arg(required = true, value_name = "SOURCE")]
     pub sources: Vec<PathBuf>,
     /// The campaign's folder; `hemline init` makes one.
@@ -116,8 +116,9 @@ fn table(plan: &Plan) -> String {
                 r.points.to_string(),
                 r.rejected.to_string(),
             ],
-            Content::Picture { points } => {
-                let mut row = vec![source, dash(), "picture".into()];
+            Content::Picture { points } | Content::Mesh { points } => {
+                let kind = if matches!(entry.content, Content::Mesh { .. }) { "mesh" } else { "picture" };
+                let mut row = vec![source, dash(), kind.into()];
                 row.extend((0..7).map(|_| dash()));
                 row.extend(["1".into(), points.to_string(), "0".into()]);
                 row

@@ -112,14 +112,14 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
         Folds::Among { from, to } => (from.max(2), to),
         Folds::Exactly(m) => (m, m),
     };
-    if plainly_seen(points, to)
-        && swift::LIMIT <= options.solver.evaluation_limit
-        && let Some(fit) = swiftly(points, from..=to, options)
-    {
-        return Ok(fit);
-    }
-    let (fractions, _) = fractions(points);
-    let seen = most_folds(&fractions);
+    let plain = plainly_seen(points, to);
+    let (fractions, seen) = if plain {
+        (Vec::new(), u32::MAX)
+    } else {
+        let (fractions, _) = fractions(points);
+        let seen = most_folds(&fractions);
+        (fractions, seen)
+    };
     if seen < from {
         return Err(Error::Unanswerable(format!(
             "{} points round the outline, as they lie, show at most {seen} folds; {from} folds need {} or more, {POINTS_A_FOLD} on each",
@@ -128,6 +128,14 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
         )));
     }
     let to = to.min(seen);
+    if from <= to
+        && swift::LIMIT <= options.solver.evaluation_limit
+        && let Some(fit) = swiftly(points, from..=to, seen, options)
+    {
+        return Ok(fit);
+    }
+    let fractions = if plain { super::outline::fractions(points).0 } else { fractions };
+    let seen = if plain { most_folds(&fractions) } else { seen };
     let outline = smooth(profile);
     let work = Work::new(points, outline.places.clone(), &outline, options).weighing(options.weights.iter().flatten().copied());
     let round = circle::fit(points);
@@ -164,7 +172,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
 }
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
-fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Options) -> Option<HemFit> {
+fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, seen: u32, options: &Options) -> Option<HemFit> {
     if matches!(options.length, HemLength::Held(_)) || options.weights.is_some() || !options.limits.none() {
         return None;
     }
@@ -176,7 +184,11 @@ fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, options: &Opt
     }
     let evaluations: usize = trials.iter().map(|t| t.evaluations).sum();
     let (best, candidates) = choose(trials, &|_| f64::INFINITY, points.len() as f64)?;
-    let notes = notes(options, outline_length, points.len(), u32::MAX);
+    // A stretch without enough points has to be told of, by the careful path.
+    if !plainly_seen(points, best.folds) {
+        return None;
+    }
+    let notes = notes(options, outline_length, points.len(), seen);
     let noise = best.rms();
     let before = best.evaluations;
     // The circle is left to the careful path, which knows what else to say of it.

@@ -203,6 +203,7 @@ pub(super) struct ForImport {
     pub store: Option<PathBuf>,
     pub tables: Told,
     pub pictures: Option<Pictures>,
+    pub meshes: Meshes,
 }
 
 #[derive(Deserialize)]
@@ -233,6 +234,7 @@ pub(super) fn for_import(path: &Path) -> Result<ForImport, Error> {
         factors: document.factors.into_iter().map(|factor| factor.name).collect(),
         store: reader.store(&document.profiles.file)?,
         pictures: reader.pictures(&document.profiles)?,
+        meshes: reader.meshes(&document.profiles)?,
         tables: document.tables.told(&reader)?,
     })
 }

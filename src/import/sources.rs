@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::image::is_picture;
+use super::mesh::is_mesh;
 use super::table::is_table;
 use crate::error::{Error, Place};
 
@@ -16,7 +17,7 @@ const DEEPEST: usize = 16;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Sources {
     pub files: Vec<PathBuf>,
-    /// Files of folders that are neither table nor picture.
+    /// Files of folders that are neither table, picture nor mesh.
     pub others: Vec<PathBuf>,
 }
 
@@ -43,9 +44,8 @@ pub(super) fn expand(named: &[PathBuf]) -> Result<Sources, Error> {
             }
         }
         if found.files.len() == before && !seen.contains(name) {
-            let problem = "no table and no picture is there";
-            let remedy =
-                "name files (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz; PNG, JPEG …), folders, or patterns such as \"*.csv\"";
+            let problem = "no table, picture or mesh is there";
+            let remedy = "name files (CSV, TSV, XLSX, XLS, ODS, Parquet, Arrow, also .gz; PNG, JPEG …; OBJ, PLY, STL, glTF), folders, or patterns such as \"*.csv\"";
             return Err(Error::input(Place::file(name), problem, remedy));
         }
     }
@@ -77,7 +77,7 @@ fn walk(folder: &Path, depth: usize, found: &mut Sources, seen: &mut BTreeSet<Pa
             if depth < DEEPEST && !path.is_symlink() {
                 walk(&path, depth + 1, found, seen)?;
             }
-        } else if is_table(&path) || is_picture(&path) {
+        } else if is_table(&path) || is_picture(&path) || is_mesh(&path) {
             add(&path, &mut found.files, seen)?;
         } else {
             add(&path, &mut found.others, seen)?;

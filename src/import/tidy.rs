@@ -7,6 +7,7 @@ use super::campaign_file::{self, ForImport};
 use super::cells::shortened;
 use super::dialect::{Dialect, Layout};
 use super::image::{self, Silhouette, is_picture};
+use super::mesh::{self, is_mesh};
 use super::quarantine::refused;
 use super::sources::{self, Sources};
 use super::store::{self, Change, DEFAULT_STORE, QUARANTINE, SetAside, Stored, StoredPoint};
@@ -39,6 +40,10 @@ pub struct Entry {
 pub enum Content {
     Table(Reading),
     Picture {
+        points: usize,
+    },
+    /// The hem of a mesh.
+    Mesh {
         points: usize,
     },
     /// A design table on this sheet of a workbook, with so many runs.
@@ -104,7 +109,7 @@ pub fn plan(named: &[PathBuf], campaign: &Path, options: &Options) -> Result<Pla
         gathering.read(&file);
     }
     for file in others {
-        gathering.say(&file, Content::Nothing("neither table nor picture".into()));
+        gathering.say(&file, Content::Nothing("neither table, picture nor mesh".into()));
     }
     gathering.finish(before, set_aside_before, store_name)
 }
@@ -190,7 +195,13 @@ impl<'a> Gathering<'a> {
             return self.refuse(file, &name, &digest, error);
         }
         self.read.push((digest.clone(), file.to_path_buf()));
-        if is_picture(file) { self.picture(file, name, digest) } else { self.table(file, name, digest) }
+        if is_picture(file) {
+            self.picture(file, name, digest)
+        } else if is_mesh(file) {
+            self.mesh(file, name, digest)
+        } else {
+            self.table(file, name, digest)
+        }
     }
 
     fn refuse(&mut self, file: &Path, name: &str, digest: &str, error: Error) {
@@ -227,6 +238,32 @@ impl<'a> Gathering<'a> {
             layout: "picture".into(),
             coordinates: "x, y".into(),
             unit,
+            points,
+        });
+    }
+
+    /// The hem of a mesh.
+    fn mesh(&mut self, file: &Path, name: String, digest: String) {
+        let found = match mesh::hem(file, &mesh::Options { frame: self.settings.meshes, ..mesh::Options::default() }) {
+            Ok(found) => found,
+            Err(error) => return self.refuse(file, &name, &digest, error),
+        };
+        self.notes.extend(found.notes.iter().map(|note| format!("{}: {note}", file.display())));
+        let points: Vec<StoredPoint> =
+            found.profile.points().iter().map(|p| StoredPoint { x: p.x, y: p.y, weight: None, row: None }).collect();
+        self.say(file, Content::Mesh { points: points.len() });
+        self.stored.push(Stored {
+            name: file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| name.clone()),
+            source: name,
+            sheet: None,
+            digest,
+            format: file.extension().map(|e| e.to_string_lossy().to_uppercase()).unwrap_or_default(),
+            encoding: None,
+            separator: None,
+            decimal: None,
+            layout: "hem of a mesh".into(),
+            coordinates: "x, y".into(),
+            unit: "m".into(),
             points,
         });
     }

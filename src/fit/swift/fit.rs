@@ -121,13 +121,21 @@ fn reach(hem: &Hem) -> f64 {
     const SAFETY: f64 = 0.7;
     let step = PI / (f64::from(hem.folds) * NODES as f64);
     // Half a fold to be touched, and half a fold before and after it.
-    let nodes: [(f64, f64, f64, f64); 3 * NODES + 1] = std::array::from_fn(|i| {
-        let t = step * (i as f64 - NODES as f64);
-        let (sin, cos) = t.sin_cos();
-        let local = hem.local(t);
-        let ((rho, tau), (vr, vt)) = (local.position, local.velocity);
-        let speed = (vr * vr + vt * vt).sqrt();
-        let (nr, nt) = (vt / speed, -vr / speed);
+    // e^{it} and e^{imt} go on by equal turns: no sine of their own.
+    let m = f64::from(hem.folds);
+    let ((sin_step, cos_step), (fold_sin_step, fold_cos_step)) = (step.sin_cos(), (m * step).sin_cos());
+    let (sin, cos) = (step * -(NODES as f64)).sin_cos();
+    let (mut at, mut fold) = ((cos, sin), (-1.0, 0.0));
+    let nodes: [(f64, f64, f64, f64); 3 * NODES + 1] = std::array::from_fn(|_| {
+        let ((cos, sin), (cos_fold, sin_fold)) = (at, fold);
+        let sin_lean = 2.0 * sin_fold * cos_fold;
+        let (rho, tau) = (hem.p + hem.q * cos_fold, hem.s * sin_lean);
+        let vr = -m * hem.q * sin_fold - tau;
+        let vt = rho + 2.0 * m * hem.s * (1.0 - 2.0 * sin_fold * sin_fold);
+        let slowness = 1.0 / (vr * vr + vt * vt).sqrt();
+        let (nr, nt) = (vt * slowness, -vr * slowness);
+        at = (cos * cos_step - sin * sin_step, sin * cos_step + cos * sin_step);
+        fold = (cos_fold * fold_cos_step - sin_fold * fold_sin_step, sin_fold * fold_cos_step + cos_fold * fold_sin_step);
         (rho * cos - tau * sin, rho * sin + tau * cos, nr * cos - nt * sin, nr * sin + nt * cos)
     });
     let mut least = f64::INFINITY;
