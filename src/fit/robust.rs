@@ -210,15 +210,7 @@ fn ordinary(profile: &DrapeProfile, sound: &[bool], options: &Options) -> Result
     let chosen: Vec<usize> = in_input_order(profile).into_iter().filter(|&i| sound[i]).collect();
     let sounder = DrapeProfile::new(&chosen.iter().map(|&i| points[i]).collect::<Vec<Point>>())?;
     let weights = options.weights.as_ref().map(|all| sounder.source_index().iter().map(|&i| all[chosen[i]]).collect());
-    let fit = folds::fit(
-        &sounder,
-        &Options {
-            loss: Loss::Squares,
-            weights,
-            bias_correction: options.bias_correction && options.loss == Loss::Squares,
-            ..options.clone()
-        },
-    )?;
+    let fit = folds::fit(&sounder, &Options { loss: Loss::Squares, weights, bias_correction: false, ..options.clone() })?;
     let mut known = vec![None; points.len()];
     for (place, &i) in sounder.source_index().iter().enumerate() {
         known[chosen[i]] = Some((fit.feet[place], fit.distances[place]));
