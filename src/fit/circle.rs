@@ -15,8 +15,6 @@ pub struct Circle {
     pub radius: f64,
     /// Sum of squared distances, m².
     pub sum_of_squares: f64,
-    /// Standard error of the radius, m.
-    pub radius_error: f64,
 }
 
 /// Gauss–Newton from the centroid; quadratic-like convergence because the residuals are linear in all but the direction.
@@ -28,11 +26,9 @@ pub fn fit(points: &[Point]) -> Circle {
         Point::new(o.x + points.iter().map(|p| p.x - o.x).sum::<f64>() / n, o.y + points.iter().map(|p| p.y - o.y).sum::<f64>() / n);
     let blocks: Vec<Block> = points.chunks(WIDTH).map(|chunk| Block::new(chunk, middle)).collect();
     let (mut x0, mut y0, mut radius) = (0.0, 0.0, sums(&blocks, 0.0, 0.0, 0.0).right[2] / n);
-    let mut inverse = 0.0;
     for _ in 0..50 {
         let Sums { normal, right, .. } = sums(&blocks, x0, y0, radius);
         let Some(factor) = normal.cholesky() else { break };
-        inverse = factor.inverse()[(2, 2)];
         let step = factor.solve(&right);
         x0 += step[0];
         y0 += step[1];
@@ -43,7 +39,7 @@ pub fn fit(points: &[Point]) -> Circle {
         }
     }
     let sum_of_squares = sums(&blocks, x0, y0, radius).square;
-    Circle { x0: middle.x + x0, y0: middle.y + y0, radius, sum_of_squares, radius_error: (sum_of_squares / (n - 3.0) * inverse).sqrt() }
+    Circle { x0: middle.x + x0, y0: middle.y + y0, radius, sum_of_squares }
 }
 
 /// Eight points; lanes without a point weigh nothing.

@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, SMatrix, SVector};
 
+use super::akaike;
 use super::circle;
 use super::outline::fractions;
 use crate::experiment::Point;
@@ -88,7 +89,7 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
             let Some((lines, square)) = sums.solve(folds) else { continue };
             let values = 2.0 * places.len() as f64;
             let parameters = 2.0 * UNKNOWNS as f64 + 1.0;
-            let criterion = akaike(square, values, parameters);
+            let criterion = akaike(square / values, values, parameters);
             if criterion < least[folds as usize].0 {
                 least[folds as usize] = (criterion, (square / places.len() as f64).sqrt());
             }
@@ -99,7 +100,7 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
         }
         let (lines, square) = sums.circle();
         let values = 2.0 * places.len() as f64;
-        let criterion = akaike(square, values, CIRCLE_PARAMETERS);
+        let criterion = akaike(square / values, values, CIRCLE_PARAMETERS);
         if round.as_ref().is_none_or(|r| criterion < r.criterion) {
             let noise = (square / (values - CIRCLE_PARAMETERS).max(1.0)).sqrt();
             round = Some(Even { folds: 0, lines, parameter: parameter.clone(), noise, criterion });
@@ -119,15 +120,6 @@ pub fn even_folds(points: &[Point]) -> Option<(Even, Vec<Evidence>)> {
         .map(|(folds, (criterion, rms))| Evidence { folds, criterion: share * criterion, rms })
         .collect();
     Some((Even { criterion: share * best.criterion, ..best }, evidence))
-}
-
-/// Akaike's criterion corrected for few values (Hurvich & Tsai, Biometrika 76 (1989) 297–307); infinite where nothing would be left.
-pub fn akaike(square: f64, values: f64, parameters: f64) -> f64 {
-    let spare = values - parameters - 1.0;
-    if spare <= 0.0 {
-        return f64::INFINITY;
-    }
-    values * (square / values).max(f64::MIN_POSITIVE).ln() + 2.0 * parameters + 2.0 * parameters * (parameters + 1.0) / spare
 }
 
 /// Ways to run once through the points, each 0 … 1.

@@ -6,6 +6,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::median;
 use crate::experiment::Point;
 
 /// Lines on either side of the first at most: two are those of the paper's curve run through at an even parameter, more allow for other ways.
@@ -226,9 +227,4 @@ fn folded(turn: &[Complex<f64>], folds: u32) -> Complexes {
 /// The median of each coordinate.
 fn middle(z: &[Complex<f64>]) -> Complex<f64> {
     Complex::new(median(z.iter().map(|z| z.re).collect()), median(z.iter().map(|z| z.im).collect()))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -40,11 +40,22 @@ pub use intervals::Intervals;
 /// Akaike's criterion of `unknowns` parameters and a variance fitted to n points, corrected for few of them (Hurvich & Tsai, Biometrika 76 (1989)
 /// 297–307); infinite where so few are left that it has no value.
 pub fn aicc(sum_of_squares: f64, n: usize, unknowns: usize) -> f64 {
-    let (n, k) = (n as f64, unknowns as f64 + 1.0);
-    if n - k - 1.0 <= 0.0 {
+    akaike(sum_of_squares / n as f64, n as f64, unknowns as f64 + 1.0)
+}
+
+/// The same by the mean square that `parameters` parameters, the variance among them, leave of `values` values.
+fn akaike(mean_square: f64, values: f64, parameters: f64) -> f64 {
+    let spare = values - parameters - 1.0;
+    if spare <= 0.0 {
         return f64::INFINITY;
     }
-    n * (sum_of_squares / n).max(f64::MIN_POSITIVE).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+    values * mean_square.max(f64::MIN_POSITIVE).ln() + 2.0 * parameters + 2.0 * parameters * (parameters + 1.0) / spare
+}
+
+/// The middle value, the upper of two; of one value at least.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 pub use limits::Limits;
 pub use outcome::{Candidate, Estimate, HeldLength, HemFit, RobustOutcome, Rule, Termination};

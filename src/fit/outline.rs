@@ -5,7 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::even::{self, akaike, even_folds};
+use super::akaike;
+use super::even::{self, even_folds};
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
 
@@ -321,7 +322,7 @@ fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (us
             square += *x * *x + *y * *y;
         }
         let parameters = 2.0 * (2.0 * k as f64 + 1.0) + 1.0;
-        let criterion = akaike(square, values, parameters);
+        let criterion = akaike(square / values, values, parameters);
         if criterion == f64::INFINITY {
             break;
         }

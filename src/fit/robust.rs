@@ -7,6 +7,7 @@
 use super::bias::{BiasCorrection, Uncorrected};
 use super::folds::{self, Options};
 use super::foot_point::{centred, nearest};
+use super::median;
 use super::mended::{Mended, clockwise};
 use super::orthogonal::{Conditions, UNKNOWNS, fit_robustly};
 use super::outcome::{Estimate, HemFit, RobustOutcome, Rule, Termination};
@@ -496,9 +497,4 @@ fn not_isolated(points: &[Point]) -> Vec<bool> {
     }
     let usual = median(third.clone());
     third.into_iter().map(|distance| distance <= ISOLATED * usual).collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::akaike;
 use super::circle::Circle;
 use super::folds::Options;
 use super::foot_point::{Foot, centred, nearest_within};
@@ -147,10 +148,9 @@ impl Trial {
         }
     }
 
-    /// Akaike's criterion for n points at this rms distance (m), corrected for few of them (Hurvich & Tsai, Biometrika 76 (1989) 297–307).
+    /// Akaike's criterion for n points at this rms distance, m.
     pub(super) fn aicc(&self, rms: f64, n: f64) -> f64 {
-        let k = self.parameters as f64 + 1.0;
-        n * (rms * rms).max(f64::MIN_POSITIVE).ln() + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+        akaike(rms * rms, n, self.parameters as f64 + 1.0)
     }
 }
 

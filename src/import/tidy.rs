@@ -14,8 +14,8 @@ use super::store::{self, Change, DEFAULT_STORE, QUARANTINE, SetAside, Stored, St
 use super::table::{self, NamedProfile, Reading};
 use super::{design_sheet, source};
 use crate::error::{Error, Place};
-use crate::experiment::Quarantined;
 use crate::experiment::campaign::Pictures;
+use crate::experiment::{DrapeProfile, Quarantined};
 use crate::units::MILLIMETRE;
 
 /// What is told beside `campaign.toml`, and overrules it.
@@ -220,26 +220,10 @@ impl<'a> Gathering<'a> {
             Err(error) => return self.refuse(file, &name, &digest, error),
         };
         self.notes.extend(silhouette.notes.iter().map(|note| format!("{}: {note}", file.display())));
-        let points: Vec<StoredPoint> =
-            silhouette.profile.points().iter().map(|p| StoredPoint { x: p.x, y: p.y, weight: None, row: None }).collect();
-        self.say(file, Content::Picture { points: points.len() });
-        let profile = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| name.clone());
+        self.say(file, Content::Picture { points: silhouette.profile.points().len() });
         let unit = format!("{} mm per px", silhouette.pixel.0 / MILLIMETRE);
-        self.silhouettes.push((profile.clone(), silhouette));
-        self.stored.push(Stored {
-            name: profile,
-            source: name,
-            sheet: None,
-            digest,
-            format: file.extension().map(|e| e.to_string_lossy().to_uppercase()).unwrap_or_default(),
-            encoding: None,
-            separator: None,
-            decimal: None,
-            layout: "picture".into(),
-            coordinates: "x, y".into(),
-            unit,
-            points,
-        });
+        let profile = self.store_only(file, name, digest, &silhouette.profile, "picture", unit);
+        self.silhouettes.push((profile, silhouette));
     }
 
     /// The hem of a mesh.
@@ -249,23 +233,28 @@ impl<'a> Gathering<'a> {
             Err(error) => return self.refuse(file, &name, &digest, error),
         };
         self.notes.extend(found.notes.iter().map(|note| format!("{}: {note}", file.display())));
-        let points: Vec<StoredPoint> =
-            found.profile.points().iter().map(|p| StoredPoint { x: p.x, y: p.y, weight: None, row: None }).collect();
-        self.say(file, Content::Mesh { points: points.len() });
+        self.say(file, Content::Mesh { points: found.profile.points().len() });
+        self.store_only(file, name, digest, &found.profile, "hem of a mesh", "m".into());
+    }
+
+    /// Stores the only profile of a file that is no table; returns what it is called.
+    fn store_only(&mut self, file: &Path, source: String, digest: String, profile: &DrapeProfile, layout: &str, unit: String) -> String {
+        let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| source.clone());
         self.stored.push(Stored {
-            name: file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| name.clone()),
-            source: name,
+            name: name.clone(),
+            source,
             sheet: None,
             digest,
             format: file.extension().map(|e| e.to_string_lossy().to_uppercase()).unwrap_or_default(),
             encoding: None,
             separator: None,
             decimal: None,
-            layout: "hem of a mesh".into(),
+            layout: layout.into(),
             coordinates: "x, y".into(),
-            unit: "m".into(),
-            points,
+            unit,
+            points: profile.points().iter().map(|p| StoredPoint { x: p.x, y: p.y, weight: None, row: None }).collect(),
         });
+        name
     }
 
     fn table(&mut self, file: &Path, name: String, digest: String) {

@@ -9,10 +9,8 @@ use crate::model::hem::Hem;
 use crate::numerics::lanes::{Lanes, multiple_angle, turned};
 use crate::vectorized;
 
-/// Harmonics of the radius about the centroid.
+/// Harmonics of the radius about the blocks' origin, which is the centroid.
 pub(super) struct Spectrum {
-    /// Centroid in the blocks' frame, m.
-    centre: (f64, f64),
     /// Mean radius, m.
     mean: f64,
     /// Mean square departure from it, m².
@@ -43,7 +41,7 @@ impl Spectrum {
     /// Harmonics up to `highest` of the radius about the origin of the blocks, which is their centroid.
     pub(super) fn new(all: &Blocks, highest: u32) -> Spectrum {
         let (mean, variance, amplitudes) = harmonics(all, highest);
-        Spectrum { centre: (0.0, 0.0), mean, variance, amplitudes }
+        Spectrum { mean, variance, amplitudes }
     }
 
     /// The same with two harmonics only: those of `folds`.
@@ -52,7 +50,7 @@ impl Spectrum {
         let mut amplitudes = vec![(0.0, 0.0); 3 * folds as usize];
         amplitudes[folds as usize - 1] = first;
         amplitudes[3 * folds as usize - 1] = third;
-        Spectrum { centre: (0.0, 0.0), mean, variance, amplitudes }
+        Spectrum { mean, variance, amplitudes }
     }
 
     fn amplitude(&self, harmonic: u32) -> (f64, f64) {
@@ -83,7 +81,7 @@ impl Spectrum {
                 s = (-2.0 * self.mean * third / (m * q)).clamp(-0.15 * self.mean, 0.15 * self.mean);
             }
         }
-        Curve { x0: self.centre.0, y0: self.centre.1, cos, sin, hem: Hem { p: self.mean, q, s, folds } }
+        Curve { x0: 0.0, y0: 0.0, cos, sin, hem: Hem { p: self.mean, q, s, folds } }
     }
 }
 
