@@ -1,6 +1,7 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
 mod beyond;
+mod exhibits;
 pub mod irregular;
 mod regression;
 mod runs;
@@ -117,6 +118,7 @@ fn english(study: &CampaignStudy, gallery: &Gallery, options: &Options) -> Value
         "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
         "beyond": beyond::chapter(study),
         "irregular": irregular::chapter(study, gallery),
+        "exhibits": exhibits::exhibits(study, gallery),
         "theory": theory::chapter(study),
         "theory-effects": beyond::theory(study),
         "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),

@@ -62,6 +62,11 @@ impl Translator {
         }
     }
 
+    /// The same for words with blanks in braces that a script fills: `{n} of {all}`.
+    pub fn say_with_blanks(&self, words: &str) -> String {
+        self.say(&words.replace('{', "‹").replace('}', "›")).replace('‹', "{").replace('›', "}")
+    }
+
     /// Every string of a value, except below the keys in `keep`.
     pub fn value(&self, value: &mut Value, keep: &[&str]) {
         if self.catalogue.is_none() {
@@ -90,6 +95,13 @@ impl Translator {
     /// Words in Latin letters in a text that are neither a laboratory's own nor symbols that every language shares.
     pub fn foreign_words(&self, text: &str) -> Vec<String> {
         let Some(catalogue) = self.catalogue else { return vec![] };
+        // ‹1›, ‹run›: places that a template or script fills.
+        let text = &text
+            .split('‹')
+            .enumerate()
+            .map(|(i, part)| if i == 0 { part } else { part.split_once('›').map_or(part, |(_, rest)| rest) })
+            .collect::<Vec<_>>()
+            .join(" ");
         let reader = |word: &&str| !word.contains(".csv") && !word.contains('@') && !matching::is_identifier(word);
         let mut rest = text.split_whitespace().filter(reader).collect::<Vec<_>>().join(" ");
         let mut names: Vec<&String> = self.names.iter().filter(|name| name.chars().any(|c| c.is_ascii_alphabetic())).collect();

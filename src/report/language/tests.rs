@@ -89,6 +89,11 @@ fn remarks_become_sentences_and_sentences_stand_together() {
 }
 
 #[test]
+fn blanks_that_a_script_fills_stay() {
+    assert_eq!(russian(&[]).say_with_blanks("{shown} of {all} runs"), "{shown} из {all} опытов");
+}
+
+#[test]
 fn what_the_catalogue_does_not_have_stays_and_is_named() {
     let translator = russian(&[]);
     assert_eq!(translator.say("quite another thing"), "quite another thing");
