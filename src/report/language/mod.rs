@@ -95,13 +95,12 @@ impl Translator {
     /// Words in Latin letters in a text that are neither a laboratory's own nor symbols that every language shares.
     pub fn foreign_words(&self, text: &str) -> Vec<String> {
         let Some(catalogue) = self.catalogue else { return vec![] };
-        // ‹1›, ‹run›: places that a template or script fills.
-        let text = &text
-            .split('‹')
-            .enumerate()
-            .map(|(i, part)| if i == 0 { part } else { part.split_once('›').map_or(part, |(_, rest)| rest) })
-            .collect::<Vec<_>>()
-            .join(" ");
+        // ‹1›, ‹run›: places that a template or script fills; `scale_mm`: what is to be typed.
+        let filled = |(i, part): (usize, &str)| {
+            if i == 0 { part.to_string() } else { part.split_once('›').map_or(part, |(_, rest)| rest).to_string() }
+        };
+        let text = text.split('‹').enumerate().map(filled).collect::<Vec<_>>().join(" ");
+        let text = text.split('`').step_by(2).collect::<Vec<_>>().join(" ");
         let reader = |word: &&str| !word.contains(".csv") && !word.contains('@') && !matching::is_identifier(word);
         let mut rest = text.split_whitespace().filter(reader).collect::<Vec<_>>().join(" ");
         let mut names: Vec<&String> = self.names.iter().filter(|name| name.chars().any(|c| c.is_ascii_alphabetic())).collect();
