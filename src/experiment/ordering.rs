@@ -34,12 +34,11 @@ const DETOUR: f64 = 1.5;
 const SMOOTH: f64 = 0.9;
 /// Plainly in order is an outline without a step so many times longer than is usual …
 const MOST_STEPS: f64 = 8.0;
-/// … that goes back by less than an eighth of a turn about its middle, all in all, rad …
-const MOST_BACK: f64 = std::f64::consts::FRAC_PI_4;
-/// … or half a turn where means are looked at, whose steps are known to be short: overhanging folds go back …
-const MOST_BACK_OF_MEANS: f64 = std::f64::consts::PI;
-/// … and turns back on the spot at no more than this share of its points: with eight steps each, they add a sixth to its length, far from [`DETOUR`].
-const MOST_REVERSALS: f64 = 0.02;
+/// … that goes back by less than half a turn about its middle, all in all, as overhanging folds do, rad …
+const MOST_BACK: f64 = std::f64::consts::PI;
+/// … and turns back on the spot so rarely, or in so short steps, that the ways there and back are no more than this share of its length: far from
+/// [`DETOUR`], and from an overhanging hem sorted by angle, which goes to and fro between the flanks of its folds.
+const MOST_TO_AND_FRO: f64 = 0.1;
 
 /// Means of two points in a row are taken, again and again, while at least this many are left: eight for each of sixty folds.
 const FEWEST_MEANS: usize = 480;
@@ -54,7 +53,7 @@ const ROUND: f64 = 0.1;
 ///
 /// Points are finite and distinct, at least four. O(n log n), but for the exchanges of the tour, which are few on a curve.
 pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
-    if plainly_in_order(points, MOST_BACK) || in_order_through_noise(points) {
+    if plainly_in_order(points) || in_order_through_noise(points) {
         return None;
     }
     let tree = Neighbours::new(points);
@@ -84,7 +83,7 @@ pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
 ///
 /// Going round alone is not enough: the points of an overhanging fold, sorted by angle, go to and fro between its flanks. So turns back on the
 /// spot are counted too. Any doubt is left to the neighbours; O(n), without trigonometry.
-fn plainly_in_order(points: &[Point], most_back: f64) -> bool {
+fn plainly_in_order(points: &[Point]) -> bool {
     let n = points.len();
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.x, y + p.y));
     let middle = Point::new(x / n as f64, y / n as f64);
@@ -95,7 +94,7 @@ fn plainly_in_order(points: &[Point], most_back: f64) -> bool {
     if most * sum < longest * n as f64 {
         return false;
     }
-    let (mut turns, mut back, mut forth, mut reversals) = (0_i32, 0.0, 0.0, 0);
+    let (mut turns, mut back, mut forth, mut to_and_fro) = (0_i32, 0.0, 0.0, 0.0);
     let (mut a, mut came) = (from(middle, points[n - 1]), from(points[n - 2], points[n - 1]));
     for i in 0..n {
         let (b, goes) = (from(middle, points[i]), from(points[(i + n - 1) % n], points[i]));
@@ -113,10 +112,12 @@ fn plainly_in_order(points: &[Point], most_back: f64) -> bool {
         }
         // Crossings of the half axis x > 0, up and down.
         turns += i32::from(a.y < 0.0 && 0.0 <= b.y && 0.0 < a.x) - i32::from(b.y < 0.0 && 0.0 <= a.y && 0.0 < b.x);
-        reversals += usize::from(came.x * goes.x + came.y * goes.y < 0.0);
+        if came.x * goes.x + came.y * goes.y < 0.0 {
+            to_and_fro += 2.0 * (came.x * came.x + came.y * came.y).min(goes.x * goes.x + goes.y * goes.y).sqrt();
+        }
         (a, came) = (b, goes);
     }
-    turns.abs() == 1 && back.min(forth) <= most_back && reversals as f64 <= MOST_REVERSALS * n as f64
+    turns.abs() == 1 && back.min(forth) <= MOST_BACK && to_and_fro <= MOST_TO_AND_FRO * sum
 }
 
 /// Whether noise wider than the spacing of the points hides an order that their means show: no tour can find a better one then. O(n).
@@ -139,7 +140,7 @@ fn in_order_through_noise(points: &[Point]) -> bool {
     let mut means = points.to_vec();
     while 2 * FEWEST_MEANS <= means.len() {
         means = means.chunks(2).map(mean).collect();
-        if plainly_in_order(&means, MOST_BACK_OF_MEANS) {
+        if plainly_in_order(&means) {
             return true;
         }
     }
@@ -358,7 +359,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(8);
         for (n, sigma) in [(20_000, 0.001), (100_000, 0.001), (100_000, 0.0003)] {
             let noisy = shaken(&hem(n, 8.0, 0.06, 0.03), sigma, &mut random);
-            assert!(!plainly_in_order(&noisy, MOST_BACK) && in_order_through_noise(&noisy), "{n} points, noise {sigma} m");
+            assert!(!plainly_in_order(&noisy) && in_order_through_noise(&noisy), "{n} points, noise {sigma} m");
             let mut shuffled = noisy;
             shuffled.shuffle(&mut random);
             assert!(!in_order_through_noise(&shuffled), "{n} points shuffled");
@@ -442,7 +443,7 @@ mod tests {
         let mut sorted: Vec<usize> = (0..360).collect();
         sorted.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
         assert!(right_links(&sorted) < 300, "the hem does not overhang");
-        assert!(!plainly_in_order(&sorted.iter().map(|&i| points[i]).collect::<Vec<_>>(), MOST_BACK));
+        assert!(!plainly_in_order(&sorted.iter().map(|&i| points[i]).collect::<Vec<_>>()));
     }
 
     #[test]
@@ -453,9 +454,9 @@ mod tests {
             // A sixth of the mean spacing.
             let noisy = shaken(&points, 0.2 / n as f64, &mut random);
             for mut points in [points, noisy] {
-                assert!(plainly_in_order(&points, MOST_BACK), "{n} points");
+                assert!(plainly_in_order(&points), "{n} points");
                 points.reverse();
-                assert!(plainly_in_order(&points, MOST_BACK), "{n} points, clockwise");
+                assert!(plainly_in_order(&points), "{n} points, clockwise");
             }
         }
     }
@@ -470,20 +471,20 @@ mod tests {
         for at in 0..300 {
             let mut order = ring();
             order.swap(at, at + 40);
-            assert!(!plainly_in_order(&mixed(&order), MOST_BACK), "{at}");
+            assert!(!plainly_in_order(&mixed(&order)), "{at}");
             let mut order = ring();
             order[at..at + 60].reverse();
-            assert!(!plainly_in_order(&mixed(&order), MOST_BACK), "{at} turned round");
+            assert!(!plainly_in_order(&mixed(&order)), "{at} turned round");
         }
         let mut order = ring();
         order.chunks_mut(2).for_each(|pair| pair.reverse());
-        assert!(!plainly_in_order(&mixed(&order), MOST_BACK));
+        assert!(!plainly_in_order(&mixed(&order)));
         order.sort_by_key(|i| (i % 2, *i));
-        assert!(!plainly_in_order(&mixed(&order), MOST_BACK));
+        assert!(!plainly_in_order(&mixed(&order)));
         for block in [3, 5, 20, 360] {
             let mut order = ring();
             order.chunks_mut(block).for_each(|rows| rows.shuffle(&mut random));
-            assert!(!plainly_in_order(&mixed(&order), MOST_BACK), "blocks of {block}");
+            assert!(!plainly_in_order(&mixed(&order)), "blocks of {block}");
         }
     }
 
