@@ -1,11 +1,11 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
-mod beyond;
+pub(super) mod beyond;
 pub mod irregular;
-mod regression;
+pub(super) mod regression;
 mod runs;
-mod story;
-mod theory;
+pub(super) mod story;
+pub(super) mod theory;
 
 use serde_json::{Value, json};
 
@@ -76,7 +76,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
     })
 }
 
-fn apparatus(apparatus: Apparatus) -> &'static str {
+pub(super) fn apparatus(apparatus: Apparatus) -> &'static str {
     match apparatus {
         Apparatus::Skirt => "conic skirts",
         Apparatus::Drapemeter => "drape tester",
@@ -84,7 +84,7 @@ fn apparatus(apparatus: Apparatus) -> &'static str {
 }
 
 /// The title page's table: what, how, from which files.
-fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
+pub(super) fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
     let campaign = &study.campaign;
     let mut facts = vec![];
     let mut fact = |name: &str, value: String| facts.push([name.to_string(), value]);

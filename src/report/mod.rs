@@ -13,6 +13,7 @@ pub mod irregular;
 pub mod note;
 pub mod number;
 pub mod output;
+pub mod page;
 pub mod paper;
 pub mod raster;
 pub mod summary;
@@ -59,7 +60,7 @@ impl Default for Options {
     }
 }
 
-/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, the tables of
+/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, `report.html`, the tables of
 /// [`table`] and [`analysis_table`] as CSV, `summary.json`, `figures/*.png`; docs/results.md describes them.
 ///
 /// Each file is written beside its place and then renamed: a file of the report is whole or not there.
@@ -80,6 +81,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     let uneven = || study.runs.iter().filter_map(|run| Some((run.run.id.as_str(), run.irregular.as_ref()?)));
     let files = [
         ("report.pdf", pdf),
+        ("report.html", page::html(study, &options.provenance).into_bytes()),
         ("fits.csv", table::fits(rows()).bytes()),
         ("regression.csv", analysis_table::regression(regressions).bytes()),
         ("weighted.csv", analysis_table::weighted(regressions).bytes()),
