@@ -121,10 +121,12 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
     let sentences = |key: &str| summary[key].as_array().into_iter().flatten().filter_map(Value::as_str).map(here).collect::<Vec<_>>();
     let part = |title: &str, key: &str| json!({ "title": title, "items": sentences(key) });
     let facts: Vec<[String; 2]> = document::facts(study, provenance).into_iter().map(|[name, value]| [name, here(&value)]).collect();
-    let scales = surface::scales(study);
+    let detail = run::Detail::of(study.runs.len());
+    let scales = surface::scales(study, &detail.surface);
     let theory = theory::chapter(study);
     json!({
         "words": said,
+        "decimal": ".",
         "step": STEP / MILLIMETRE,
         "space_step": surface::STEP / MILLIMETRE,
         "summary": [
@@ -138,7 +140,7 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "overview": overview::runs(study),
         "filters": overview::filters(study),
         "fields": scales.iter().map(surface::Scale::json).collect::<Vec<_>>(),
-        "runs": study.runs.iter().map(|r| run::view(r, study)).collect::<Vec<_>>(),
+        "runs": study.runs.iter().map(|r| run::view(r, study, &detail)).collect::<Vec<_>>(),
         "irregular": run::irregular(study, &irregular::chapter(study, &gallery::Gallery::new())),
         "responses": study.regressions.iter().map(|r| response::page(r, study)).collect::<Vec<_>>(),
         "beyond": response::beyond(&beyond::chapter(study), study),

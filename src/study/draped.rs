@@ -61,27 +61,39 @@ pub struct DrapedSurface {
     pub fields: Vec<Field>,
 }
 
-/// Faces from waist to hem: rulings are straight or nearly so, colours change slowly.
-const DOWN: usize = 16;
-/// Faces round the whole, about; a fold gets 10 to 24 of them.
-const ROUND: u32 = 144;
+/// How finely a surface is sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// Faces round the whole, about; a fold gets 10 to 24 of them.
+    pub round: u32,
+    /// Faces from waist to hem.
+    pub down: usize,
+}
+
+impl Default for Options {
+    /// Two and a half degrees; down they may be longer, because generatrices are straight or nearly so.
+    fn default() -> Self {
+        Options { round: 144, down: 16 }
+    }
+}
+
 /// A round surface is made of so many equal pieces.
 const PIECES: u32 = 12;
 
 /// The surfaces that exist for a run, the fitted one first: none without a fit or a cut.
 ///
 /// Richer fields of the same grid belong into [`DrapedSurface::fields`].
-pub fn draped(study: &RunStudy) -> Vec<DrapedSurface> {
+pub fn draped(study: &RunStudy, options: &Options) -> Vec<DrapedSurface> {
     let (Ok(fit), Some(skirt)) = (&study.fit, &study.run.skirt) else { return vec![] };
     let rigidity = study.run.fabric.flexural_rigidity.map(|b| b.0);
     let copies = fit.folds.unwrap_or(PIECES);
     // A drape tester's cone is flat: only straight generatrices give its hem a height.
     let fitted = if 0.0 < Cone::of(skirt).height {
-        linear(skirt, &fit.hem, copies, fit.placement.phase, rigidity)
+        linear(skirt, &fit.hem, copies, fit.placement.phase, rigidity, options)
     } else {
         let (hem, places) = by_length(&fit.hem, copies);
         let ends = Ends { hem: &hem, places: &places, copies, phase: fit.placement.phase };
-        straight(HemOf::Fit, skirt, &ends, rigidity)
+        straight(HemOf::Fit, skirt, &ends, rigidity, options)
     };
     let theory = study.prediction_at_fitted_folds.as_ref().map(|prediction| {
         let hem = &prediction.outline;
@@ -89,21 +101,30 @@ pub fn draped(study: &RunStudy) -> Vec<DrapedSurface> {
         let places: Vec<f64> = (0..hem.len()).map(|i| TAU * i as f64 / hem.len() as f64).collect();
         let phase = study.comparison.as_ref().map_or(fit.placement.phase, |c| c.placement.phase);
         let copies = if prediction.folds == 0 { PIECES } else { prediction.folds };
-        straight(HemOf::Theory, skirt, &Ends { hem, places: &places, copies, phase }, rigidity)
+        straight(HemOf::Theory, skirt, &Ends { hem, places: &places, copies, phase }, rigidity, options)
     });
     std::iter::once(fitted).chain(theory).collect()
 }
 
-fn faces(copies: u32) -> usize {
-    (ROUND / copies.max(1)).clamp(10, 24) as usize
+impl Options {
+    /// Faces round one copy.
+    fn faces(&self, copies: u32) -> usize {
+        (self.round / copies.max(1)).clamp(10, 24) as usize
+    }
+
+    /// Shares of the way down.
+    fn fractions(&self) -> impl Iterator<Item = f64> {
+        let down = self.down;
+        (0..=down).map(move |j| j as f64 / down as f64)
+    }
 }
 
 /// The paper's surface below the waist of `skirt`.
-fn linear(skirt: &Skirt, hem: &Hem, copies: u32, phase: f64, rigidity: Option<f64>) -> DrapedSurface {
+fn linear(skirt: &Skirt, hem: &Hem, copies: u32, phase: f64, rigidity: Option<f64>, options: &Options) -> DrapedSurface {
     let surface = LinearSurface::new(skirt, *hem);
-    let faces = faces(copies);
+    let faces = options.faces(copies);
     let (mut points, mut curvature) = (vec![], vec![]);
-    for fraction in (0..=DOWN).map(|j| j as f64 / DOWN as f64) {
+    for fraction in options.fractions() {
         let ring = surface.ring(fraction);
         for t in (0..=faces).map(|i| TAU / f64::from(copies) * i as f64 / faces as f64) {
             let [x, y, z] = surface.point(t, fraction);
@@ -111,8 +132,8 @@ fn linear(skirt: &Skirt, hem: &Hem, copies: u32, phase: f64, rigidity: Option<f6
             curvature.push(ring.local(t).curvature());
         }
     }
-    let fields = fields(skirt, &points, faces + 1, curvature, rigidity);
-    DrapedSurface { hem_of: HemOf::Fit, carried: Carried::Linear, copies, round: faces + 1, down: DOWN + 1, points, fields }
+    let fields = fields(skirt, &points, (faces + 1, options.down), curvature, rigidity);
+    DrapedSurface { hem_of: HemOf::Fit, carried: Carried::Linear, copies, round: faces + 1, down: options.down + 1, points, fields }
 }
 
 /// Where generatrices end: a dense closed hem about the axis, m, as many points in each of its copies, and the share of cloth at each as an angle.
@@ -133,13 +154,13 @@ impl Ends<'_> {
 }
 
 /// Straight generatrices of the slant of `skirt` from its waist to a hem.
-fn straight(hem_of: HemOf, skirt: &Skirt, ends: &Ends<'_>, rigidity: Option<f64>) -> DrapedSurface {
+fn straight(hem_of: HemOf, skirt: &Skirt, ends: &Ends<'_>, rigidity: Option<f64>, options: &Options) -> DrapedSurface {
     let (waist, slant) = (skirt.waist_radius().0, skirt.slant_length().0);
-    let (n, faces) = (ends.hem.len(), faces(ends.copies));
+    let (n, faces) = (ends.hem.len(), options.faces(ends.copies));
     let in_copy = n / ends.copies as usize;
     let (mut points, mut curvature) = (vec![], vec![]);
     let mut beyond = 0.0_f64;
-    for fraction in (0..=DOWN).map(|j| j as f64 / DOWN as f64) {
+    for fraction in options.fractions() {
         for i in (0..=faces).map(|face| (in_copy * face + faces / 2) / faces) {
             let near = |k: usize| ends.ring(waist, fraction, (i + n + k - 2) % n);
             let top = ends.ring(waist, 0.0, i % n);
@@ -150,9 +171,9 @@ fn straight(hem_of: HemOf, skirt: &Skirt, ends: &Ends<'_>, rigidity: Option<f64>
             curvature.push(bend(std::array::from_fn(near)));
         }
     }
-    let fields = fields(skirt, &points, faces + 1, curvature, rigidity);
+    let fields = fields(skirt, &points, (faces + 1, options.down), curvature, rigidity);
     let carried = Carried::Straight { beyond: beyond.max(0.0) };
-    DrapedSurface { hem_of, carried, copies: ends.copies, round: faces + 1, down: DOWN + 1, points, fields }
+    DrapedSurface { hem_of, carried, copies: ends.copies, round: faces + 1, down: options.down + 1, points, fields }
 }
 
 /// Points of the hem for straight generatrices to end in, and the share of its length at each as an angle.
@@ -188,9 +209,9 @@ fn turned([x, y, z]: Space, phase: f64) -> Space {
 }
 
 /// Everything that a point may be coloured by.
-fn fields(skirt: &Skirt, points: &[Space], round: usize, curvature: Vec<f64>, rigidity: Option<f64>) -> Vec<Field> {
+fn fields(skirt: &Skirt, points: &[Space], (round, down): (usize, usize), curvature: Vec<f64>, rigidity: Option<f64>) -> Vec<Field> {
     let cone = Cone::of(skirt);
-    let unfolded = |i: usize| cone.ring_radius(cone.slant_length * (i / round) as f64 / DOWN as f64);
+    let unfolded = |i: usize| cone.ring_radius(cone.slant_length * (i / round) as f64 / down as f64);
     let flexure = points.iter().enumerate().map(|(i, [x, y, _])| x.hypot(*y) - unfolded(i)).collect();
     let moment = rigidity.map(|b| Field { quantity: Quantity::BendingMoment, values: curvature.iter().map(|k| b * k).collect() });
     [Field { quantity: Quantity::Flexure, values: flexure }, Field { quantity: Quantity::Curvature, values: curvature }]
@@ -204,6 +225,7 @@ mod tests {
     use super::*;
     use crate::units::Metre;
 
+    const DOWN: usize = 16;
     const HEM: Hem = Hem { p: 0.15, q: 0.05, s: 0.004, folds: 5 };
 
     fn skirt() -> Skirt {
@@ -212,7 +234,7 @@ mod tests {
 
     fn straight_fit(skirt: &Skirt) -> DrapedSurface {
         let (hem, places) = by_length(&HEM, HEM.folds);
-        straight(HemOf::Fit, skirt, &Ends { hem: &hem, places: &places, copies: HEM.folds, phase: 0.3 }, Some(1e-5))
+        straight(HemOf::Fit, skirt, &Ends { hem: &hem, places: &places, copies: HEM.folds, phase: 0.3 }, Some(1e-5), &Options::default())
     }
 
     fn values(surface: &DrapedSurface, quantity: Quantity) -> &[f64] {
@@ -221,7 +243,7 @@ mod tests {
 
     #[test]
     fn both_surfaces_join_the_waist_to_the_hem_and_close_copy_by_copy() {
-        for surface in [linear(&skirt(), &HEM, 5, 0.3, None), straight_fit(&skirt())] {
+        for surface in [linear(&skirt(), &HEM, 5, 0.3, None, &Options::default()), straight_fit(&skirt())] {
             let last = &surface.points[surface.points.len() - surface.round..];
             assert_eq!(surface.points.len(), surface.round * surface.down);
             for point in &surface.points[..surface.round] {
@@ -265,7 +287,7 @@ mod tests {
     #[test]
     fn an_unfolded_cone_has_no_flexure() {
         let cone = Hem { p: 0.2362, q: 0.0, s: 0.0, folds: 1 };
-        let surface = linear(&skirt(), &cone, PIECES, 0.0, None);
+        let surface = linear(&skirt(), &cone, PIECES, 0.0, None, &Options::default());
         assert!(values(&surface, Quantity::Flexure).iter().all(|f| f.abs() < 1e-14));
         assert_eq!(surface.fields.len(), 2);
     }
@@ -275,7 +297,8 @@ mod tests {
         let tester = Skirt::drapemeter(Metre(0.09), Metre(0.15)).unwrap();
         let wide = Hem { p: 0.153, q: 0.0, s: 0.0, folds: 1 };
         let (hem, places) = by_length(&wide, PIECES);
-        let surface = straight(HemOf::Fit, &tester, &Ends { hem: &hem, places: &places, copies: PIECES, phase: 0.0 }, None);
+        let surface =
+            straight(HemOf::Fit, &tester, &Ends { hem: &hem, places: &places, copies: PIECES, phase: 0.0 }, None, &Options::default());
         let Carried::Straight { beyond } = surface.carried else { panic!("{:?}", surface.carried) };
         assert!((beyond - 0.003).abs() < 1e-12);
         assert!(surface.points.iter().all(|p| p[2] == 0.0));

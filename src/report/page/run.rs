@@ -14,15 +14,35 @@ use crate::report::gallery::cell_name;
 use crate::report::note;
 use crate::report::number::{fixed, plain, signed, significant, to_error, with_error};
 use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::draped;
 use crate::units::{MILLIJOULE, MILLIMETRE, PERCENT};
 
-/// Points of a curve, about: chords of a hem that fills a screen are then nowhere off by a pixel.
-const NODES: usize = 300;
-/// Most measured points that are sent; of denser outlines every other or every third one.
-const MOST: usize = 400;
+/// How finely runs are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Detail {
+    /// Points of a curve, about.
+    nodes: usize,
+    /// Most measured points; of denser outlines every other or every third one.
+    most: usize,
+    pub surface: draped::Options,
+}
+
+/// More runs than these are shown with half the points: the page would take long to open.
+const MANY: usize = 120;
+
+impl Detail {
+    /// For a campaign of so many runs.
+    pub fn of(runs: usize) -> Self {
+        if MANY < runs {
+            return Detail { nodes: 150, most: 200, surface: draped::Options { round: 72, down: 8 } };
+        }
+        // Chords of a hem that fills a screen are then nowhere off by a pixel.
+        Detail { nodes: 300, most: 400, surface: draped::Options::default() }
+    }
+}
 
 /// Everything shown of one run.
-pub fn view(study: &RunStudy, campaign: &CampaignStudy) -> Value {
+pub fn view(study: &RunStudy, campaign: &CampaignStudy, detail: &Detail) -> Value {
     let mut treatment = cell_name(&campaign.campaign.design.factors, &study.run.levels).join(", ");
     if let Some(replicate) = study.run.replicate {
         treatment.push_str(&format!(", replicate {replicate}"));
@@ -31,8 +51,8 @@ pub fn view(study: &RunStudy, campaign: &CampaignStudy) -> Value {
         "id": study.run.id,
         "treatment": treatment,
         "notes": note::of(study),
-        "hem": hem(study),
-        "surfaces": surface::surfaces(study),
+        "hem": hem(study, detail),
+        "surfaces": surface::surfaces(study, &detail.surface),
         "surface_missing": surface::missing(study),
         "numbers": of_texts(&number_columns(), numbers(study)),
         "folds": of_texts(&fold_columns(), folds(study)),
@@ -40,14 +60,14 @@ pub fn view(study: &RunStudy, campaign: &CampaignStudy) -> Value {
 }
 
 /// The curves in mm, in the frame of the measurement; `null` where the profile was set aside.
-fn hem(study: &RunStudy) -> Option<Value> {
+fn hem(study: &RunStudy, detail: &Detail) -> Option<Value> {
     let view = View::of(study)?;
     let profile = study.profile.as_ref()?;
     let fit = study.fit.as_ref().ok();
-    let stride = view.measured.len().div_ceil(MOST);
+    let stride = view.measured.len().div_ceil(detail.most);
     let every = |points: &[Point], stride: usize| packed::points(points.iter().step_by(stride), STEP);
-    let curve = |points: &[Point]| (!points.is_empty()).then(|| every(points, (points.len() / NODES).max(1)));
-    let free = study.irregular.as_ref().and_then(|i| i.free.as_ref().ok()).map(|(_, free)| free.placed.outline(NODES));
+    let curve = |points: &[Point]| (!points.is_empty()).then(|| every(points, (points.len() / detail.nodes).max(1)));
+    let free = study.irregular.as_ref().and_then(|i| i.free.as_ref().ok()).map(|(_, free)| free.placed.outline(detail.nodes));
     let longest = fit.map_or(0.0, |f| f.distances.iter().fold(0.0_f64, |most, d| most.max(d.abs())));
     // A tenth of the hem's reach is as long as a whisker may grow before whiskers of neighbouring folds meet.
     let magnified = [50, 20, 10, 5, 2].into_iter().find(|f| f64::from(*f) * longest < 0.1 * view.reach()).unwrap_or(1);

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::packed::packed;
 use crate::report::number::fixed;
 use crate::study::campaign::{CampaignStudy, RunStudy};
-use crate::study::draped::{Carried, DrapedSurface, Field, HemOf, Quantity, draped};
+use crate::study::draped::{Carried, DrapedSurface, Field, HemOf, Options, Quantity, draped};
 use crate::units::{MILLIMETRE, MILLINEWTON};
 
 /// Corners are sent to this place, m: the picture is a few hundred pixels high.
@@ -43,8 +43,8 @@ const SHOWN: [Shown; 3] = [
     },
     Shown {
         quantity: Quantity::BendingMoment,
-        label: "Stress intensity",
-        about: "Stress intensity: the bending moment per width, rigidity times curvature, to which the stress at the faces is proportional.",
+        label: "Bending moment",
+        about: "Bending moment: per width, rigidity times curvature; the stress intensity at the faces of the cloth is proportional to it.",
         unit: "mN",
         factor: MILLINEWTON,
         step: 0.0002,
@@ -70,8 +70,8 @@ impl Scale {
 }
 
 /// One for each quantity that can be shown, in their order.
-pub fn scales(study: &CampaignStudy) -> Vec<Scale> {
-    let all: Vec<Field> = study.runs.iter().flat_map(draped).flat_map(|surface| surface.fields).collect();
+pub fn scales(study: &CampaignStudy, options: &Options) -> Vec<Scale> {
+    let all: Vec<Field> = study.runs.iter().flat_map(|run| draped(run, options)).flat_map(|surface| surface.fields).collect();
     let one = |shown: &'static Shown| {
         let values = all.iter().filter(|f| f.quantity == shown.quantity).flat_map(|f| &f.values).map(|v| v / shown.factor);
         let (low, high) = range(values.collect());
@@ -99,8 +99,8 @@ fn rounded(value: f64, shown: &Shown) -> f64 {
 }
 
 /// The surfaces of one run.
-pub fn surfaces(study: &RunStudy) -> Vec<Value> {
-    draped(study).iter().map(surface).collect()
+pub fn surfaces(study: &RunStudy, options: &Options) -> Vec<Value> {
+    draped(study, options).iter().map(surface).collect()
 }
 
 fn surface(surface: &DrapedSurface) -> Value {

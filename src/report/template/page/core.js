@@ -40,7 +40,7 @@ const bullets = (items) => element("ul", {}, items.map((item) => element("li", {
 // The true minus, and the decimals asked: numbers come rounded.
 function number(value, decimals) {
   const text = Math.abs(value).toFixed(decimals);
-  return (value < 0 && /[1-9]/.test(text) ? "−" : "") + text;
+  return (value < 0 && /[1-9]/.test(text) ? "−" : "") + text.replace(".", DATA.decimal);
 }
 const signed = (value, decimals) => (value > 0 && /[1-9]/.test(value.toFixed(decimals)) ? "+" : "") + number(value, decimals);
 

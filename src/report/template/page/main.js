@@ -110,6 +110,7 @@ const page = (() => {
 
   function keys(event) {
     if (event.altKey || event.ctrlKey || event.metaKey || event.shiftKey) return;
+    if (event.target.classList?.contains("scroll")) return;
     if (event.target.closest?.("input, select, textarea, canvas, svg, .scroll table button")) return;
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!step) return;

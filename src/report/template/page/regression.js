@@ -77,9 +77,10 @@ const regression = (() => {
     const svg = shape("svg", { viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": response.bars_title }, holder);
     const sx = (v) => left + (v / (most || 1)) * (width - left - 12);
     const [top, bottom] = [20, 20 + pitch * list.length];
-    for (const v of ticks(0, most || 1, Math.max(2, (width - left) / 70)).found) {
+    const marks = ticks(0, most || 1, Math.max(2, (width - left) / 70));
+    for (const v of marks.found) {
       shape("line", { class: "grid", x1: sx(v), x2: sx(v), y1: top, y2: bottom }, svg);
-      shape("text", { x: sx(v), y: bottom + 14, "text-anchor": "middle" }, svg, String(Number(v.toPrecision(6))));
+      shape("text", { x: sx(v), y: bottom + 14, "text-anchor": "middle" }, svg, number(v, marks.decimals));
     }
     list.forEach((bar, i) => {
       const y = top + pitch * i;
