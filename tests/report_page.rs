@@ -232,6 +232,10 @@ fn a_reader_gets_about_the_shipped_campaign_by_mouse_and_by_keyboard() {
     // Eight terms: seven bars beside the mean.
     assert_eq!((&seen["response"]["head"], &seen["response"]["bars"]), (&seen["response"]["name"], &7.into()));
     assert_ne!(seen["response_key"], seen["response"]["head"]);
+    // On paper nothing can be switched: all responses and the short tables are there, and gone again afterwards.
+    let paper = &seen["paper"];
+    assert_eq!([&paper["before"], &paper["after"], &paper["left"]], [0, 0, 0]);
+    assert!(4 < paper["open"].as_u64().unwrap() && paper["responses"] == SHIPPED.regressions.len() - 1, "{paper}");
     assert!(seen["tip"].as_str().unwrap().contains("predicted"));
     assert!(10 < seen["tables"].as_u64().unwrap() && seen["table_rows"].as_array().unwrap().iter().all(|n| 0 < n.as_u64().unwrap()));
     assert_eq!((&seen["unnamed"], &seen["foreign"]), (&0.into(), &4.into()), "every control has a name; two scripts are this test's own");

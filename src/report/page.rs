@@ -44,25 +44,23 @@ const STEP: f64 = 0.01 * MILLIMETRE;
 
 /// The page of a campaign.
 pub fn html(study: &CampaignStudy, provenance: &Provenance) -> String {
-    let data = in_script(&data(study, provenance).to_string());
+    let shown = data(study, provenance);
+    let data = in_script(&shown.to_string());
     let nonce = digest(&data);
     let date = provenance.date.map(|date| format!(" · {date}")).unwrap_or_default();
+    let text = |value: &Value| escaped(value.as_str().unwrap_or_else(|| panic!("the template asks for a text that is {value}")));
     let blank = |name: &str| -> String {
         match name {
-            "language" => "en".into(),
             "nonce" => nonce.clone(),
             "program" => PROGRAM.into(),
             "title" => escaped(&study.campaign.title),
             "origin" => escaped(&study.campaign.origin),
-            "apparatus" => document::apparatus(study.campaign.apparatus).into(),
             "footer" => format!("{PROGRAM}{date}"),
             "style" => STYLE.into(),
             "script" => format!("\"use strict\";\n(() => {{\n{}}})();", SCRIPT.concat()),
             "data" => data.clone(),
-            _ => {
-                let word = name.strip_prefix("word.").and_then(|word| words::WORDS.iter().find(|(known, _)| *known == word));
-                escaped(word.unwrap_or_else(|| panic!("the template asks for {name}")).1)
-            }
+            "language" | "apparatus" => text(&shown[name]),
+            _ => text(&shown["words"][name.strip_prefix("word.").unwrap_or(name)]),
         }
     };
     filled(PAGE, blank)
@@ -114,7 +112,8 @@ const PLACES: [(&str, &str); 2] = [
     ("all digests in the appendix", "all digests in the table “Inputs” below"),
 ];
 
-/// Everything that the script shows.
+/// Everything that the page shows, in English. Strings below the keys `id` and `key` are names for the script, those below `language` and `decimal` the language
+/// and its sign; all others are shown: a translator has them all here.
 fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
     let said: serde_json::Map<String, Value> = words::WORDS.iter().map(|(name, word)| (name.to_string(), json!(word))).collect();
     let summary = story::summary(study);
@@ -125,8 +124,10 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
     let scales = surface::scales(study, &detail.surface);
     let theory = theory::chapter(study);
     json!({
-        "words": said,
+        "language": "en",
         "decimal": ".",
+        "apparatus": document::apparatus(study.campaign.apparatus),
+        "words": said,
         "step": STEP / MILLIMETRE,
         "space_step": surface::STEP / MILLIMETRE,
         "summary": [

@@ -103,6 +103,12 @@ window.addEventListener("load", () => setTimeout(async () => {
       key(tabs[1], "ArrowRight");
       seen.response_key = $("#response h3").textContent;
     }
+    const open = () => all("details[open]").length;
+    seen.paper = { before: open() };
+    window.dispatchEvent(new Event("beforeprint"));
+    Object.assign(seen.paper, { open: open(), responses: all("#response .response").length });
+    window.dispatchEvent(new Event("afterprint"));
+    Object.assign(seen.paper, { after: open(), left: all("#response .response").length });
     const dot = all("#scatter-0 circle")[5];
     if (dot) {
       dot.dispatchEvent(new MouseEvent("mousemove", { clientX: 50, clientY: 50, bubbles: true }));

@@ -102,8 +102,8 @@ fn coefficient_columns(unit: &str) -> [Column; 9] {
         Column::number("Std. error", unit),
         Column::number("t", ""),
         Column::number("p", ""),
-        Column::number("from", unit),
-        Column::number("to", unit),
+        Column::number("95 % from", unit),
+        Column::number("95 % to", unit),
         Column::number("p (Holm)", ""),
         Column::text("Significant"),
     ]

@@ -104,7 +104,7 @@ pub fn surfaces(study: &RunStudy, options: &Options) -> Vec<Value> {
 }
 
 fn surface(surface: &DrapedSurface) -> Value {
-    let (name, label) = match surface.hem_of {
+    let (key, label) = match surface.hem_of {
         HemOf::Fit => ("fitted", "fitted hem"),
         HemOf::Theory => ("theory", "theory"),
     };
@@ -136,7 +136,7 @@ fn surface(surface: &DrapedSurface) -> Value {
         Some(json!({ "field": index, "low": low, "high": high, "step": shown.step, "values": packed(values(), 1, shown.step) }))
     });
     json!({
-        "name": name,
+        "key": key,
         "label": label,
         "about": about,
         "copies": surface.copies,

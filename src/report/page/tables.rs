@@ -108,7 +108,8 @@ pub fn all(study: &CampaignStudy, provenance: &Provenance) -> Vec<Value> {
     let entry = |id: &str, title: &str, about: &str, table: Value| json!({ "id": id, "title": title, "about": about, "table": table });
     let mut tables: Vec<Value> = results
         .iter()
-        .filter(|(.., table)| !table.rows.is_empty())
+        // Without a theory the summary has lines, but nothing in them.
+        .filter(|(id, .., table)| !table.rows.is_empty() && (*id != "fidelity_summary" || !study.fidelities.is_empty()))
         .map(|(id, title, about, table)| entry(id, title, about, of_results(table)))
         .collect();
     if !study.sources.is_empty() {

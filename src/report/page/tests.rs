@@ -27,9 +27,8 @@ fn the_script_makes_no_words_of_its_own() {
         for line in part.lines().filter(|line| !line.trim_start().starts_with("//") && !line.trim_start().starts_with("/*")) {
             for quoted in line.split('"').skip(1).step_by(2) {
                 let prose = quoted.split(' ').filter(|word| 2 < word.len() && word.chars().all(char::is_alphabetic)).count();
-                let known = ["use strict", "scroll tall", "application"].contains(&quoted)
-                    || quoted.contains("system-ui")
-                    || quoted.contains("input, select");
+                // Class names and selectors are not read by anybody.
+                let known = ["scroll tall", "main > section"].contains(&quoted) || quoted.starts_with("input, select");
                 assert!(prose < 2 || known, "“{quoted}” in: {line}");
             }
         }

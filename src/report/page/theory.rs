@@ -47,7 +47,10 @@ pub fn chapter(study: &CampaignStudy) -> Value {
                  the best shift and turn, because cloth is metastable; the fold count is the one of least energy."
             ],
             "table": of_texts(&cell_columns(), texts(&sides["cells"])),
-            "caption": format!("Over all runs and per cell: counts of runs, and medians over the runs whose fold count the theory has. {solved}"),
+            "caption": format!(
+                "Over all runs and per cell: counts of runs, and medians over the runs whose fold count the theory has (rms distance of the points; depth, theory / fit; \
+                 mean radius, theory − fit). {solved}"
+            ),
         }));
         let rows = texts(&sides["runs"]);
         let runs = of_run(&rows);
@@ -127,7 +130,7 @@ fn run_columns() -> [Column; 10] {
 const SIDES: [&str; 3] = ["graded", "ruled", "ansatz"];
 
 fn cell_columns() -> Vec<Column> {
-    let groups = ["m exact", "m within one", "Shape rms, mm", "Depth, theory / fit", "Radius, theory − fit, mm"];
+    let groups = ["m exact", "m within one", "rms, mm", "Depth ratio", "Radius diff., mm"];
     let mut columns = vec![Column::words("Cell"), Column::number("n", "")];
     columns.extend(groups.iter().flat_map(|group| SIDES.map(|side| Column::number(*group, side))));
     columns

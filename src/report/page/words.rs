@@ -64,7 +64,7 @@ pub const WORDS: [(&str, &str); 73] = [
     ),
     ("scatter_point", "run {runs}\nfitted {fitted} {unit}\npredicted {predicted} {unit}"),
     ("skip", "Skip to the summary"),
-    ("skirt", "Skirt in space"),
+    ("skirt", "Cloth in space"),
     ("skirt_hint", "Drag to turn; click, then wheel or + and − to zoom; arrow keys turn, Home resets."),
     ("skirt_label", "{surface}, coloured by {field} from {low} to {high} {unit}. Arrow keys turn it, plus and minus zoom."),
     ("skirt_value", "{field} {value} {unit}\n{down} mm below the waist"),

@@ -29,7 +29,7 @@ const skirt = (() => {
     run = next;
     const before = which.value;
     clear(which);
-    run.surfaces.forEach((surface) => element("option", { value: surface.name }, surface.label, which));
+    run.surfaces.forEach((surface) => element("option", { value: surface.key }, surface.label, which));
     if ([...which.options].some((o) => o.value === before)) which.value = before;
     for (const node of [which.parentNode, by.parentNode, canvas, alikeLabel]) node.hidden = !run.surfaces.length;
     build();
@@ -38,7 +38,7 @@ const skirt = (() => {
 
   // The whole grid out of one copy: corners in mm, one value of every field at each.
   function build() {
-    const surface = run.surfaces.find((s) => s.name === which.value);
+    const surface = run.surfaces.find((s) => s.key === which.value);
     mesh = null;
     if (!surface) return;
     const { copies, round, down } = surface;
