@@ -69,7 +69,7 @@ const hem = (() => {
     const [cx, cy] = now.raw.centre;
     const view = chart(at("plan"), {
       width, height: width, x: [cx - half, cx + half], y: [cy - half, cy + half], xLabel: W.x_axis, yLabel: W.y_axis,
-      left: 48, bottom: 36, right: 4, top: 4 + 8, label: W.plan_label, focus: true, xTicks: 6, yTicks: 6,
+      left: 48, bottom: 36, right: 14, top: 10, label: W.plan_label, focus: true, xTicks: 6, yTicks: 6,
     });
     const { plot, sx, sy } = view;
     shape("path", { class: "axis", d: `M${sx(cx) - 6},${sy(cy)}h12M${sx(cx)},${sy(cy) - 6}v12` }, plot);

@@ -95,7 +95,12 @@ const page = (() => {
     skirt.load(run);
     runs.mark(index);
     document.body.dataset.run = run.id;
-    if (remember) history.replaceState(null, "", `#run=${encodeURIComponent(run.id)}`);
+    if (!remember) return;
+    try {
+      history.replaceState(null, "", `#run=${encodeURIComponent(run.id)}`);
+    } catch {
+      // A viewer that shows the page within its own may forbid it; the page works without.
+    }
   }
 
   // As show, and the run comes into view.
