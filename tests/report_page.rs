@@ -6,8 +6,10 @@ use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
+use hemline::experiment::campaign::Language;
 use hemline::import;
-use hemline::report::{Date, Provenance, page};
+use hemline::report::language::{Translator, names};
+use hemline::report::{Date, Options, Provenance, page};
 use hemline::study::campaign::{CampaignStudy, Measured, analyse};
 use serde_json::Value;
 
@@ -23,6 +25,12 @@ static SHIPPED: LazyLock<CampaignStudy> = LazyLock::new(|| {
 
 fn provenance() -> Provenance {
     Provenance { settings: vec![("Fold count".into(), "by evidence".into())], date: Some(Date::from_epoch(1_709_251_199)) }
+}
+
+/// The page in English.
+fn english(study: &CampaignStudy) -> String {
+    let options = Options { provenance: provenance(), ..Options::default() };
+    page::html(study, &options, &Translator::new(Language::English, names(study)))
 }
 
 /// A run without a fit, without cloth, without anything, and hostile text wherever a user can write.
@@ -85,7 +93,7 @@ fn embedded(page: &str) -> Value {
 
 #[test]
 fn the_page_needs_nothing_but_itself() {
-    let html = page::html(&SHIPPED, &provenance());
+    let html = english(&SHIPPED);
     assert!(html.len() < 2_000_000, "{} bytes", html.len());
     // The one address is the name of a vocabulary, which no browser fetches.
     assert_eq!(html.matches("://").count(), html.matches("http://www.w3.org/2000/svg").count());
@@ -105,13 +113,13 @@ fn the_page_needs_nothing_but_itself() {
 
 #[test]
 fn the_same_study_gives_the_same_bytes() {
-    assert!(page::html(&SHIPPED, &provenance()) == page::html(&SHIPPED, &provenance()));
+    assert!(english(&SHIPPED) == english(&SHIPPED));
 }
 
 #[test]
 fn what_a_user_wrote_is_never_markup() {
     let study = hostile();
-    let html = page::html(&study, &provenance());
+    let html = english(&study);
     assert!(!html.contains("<img") && !html.contains("<!--<script"));
     assert_eq!(html.matches("</script>").count(), 2, "the data and the program, and nothing that ends them early");
     let data = embedded(&html);
@@ -134,7 +142,7 @@ fn used(study: &CampaignStudy, size: &str) -> Option<Value> {
         return None;
     };
     let folder = tempfile::tempdir().unwrap();
-    let html = page::html(study, &provenance());
+    let html = english(study);
     let nonce = html.split_once("nonce-").and_then(|(_, rest)| rest.split_once('\'')).unwrap().0;
     // Faults are collected from the first line on; the probe comes last.
     let watch = "window.faults = [];\

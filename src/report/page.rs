@@ -20,7 +20,9 @@ mod tests;
 use serde_json::{Value, json};
 
 use super::document::{self, beyond, irregular, story};
-use super::{Provenance, gallery};
+use super::language::Translator;
+use super::{Options, Provenance, gallery};
+use crate::experiment::campaign::Language;
 use crate::study::campaign::CampaignStudy;
 use crate::units::MILLIMETRE;
 
@@ -42,9 +44,16 @@ const PROGRAM: &str = concat!("hemline ", env!("CARGO_PKG_VERSION"));
 /// Curves are sent to this place, m: a hundredth of a millimetre is less than a screen or an outline resolves.
 const STEP: f64 = 0.01 * MILLIMETRE;
 
-/// The page of a campaign.
-pub fn html(study: &CampaignStudy, provenance: &Provenance) -> String {
-    let shown = data(study, provenance);
+/// Keys below which nothing is translated: names for the script, the language and its decimal sign.
+const VERBATIM: [&str; 4] = ["id", "key", "language", "decimal"];
+
+/// The page of a campaign, in the language of its options.
+pub fn html(study: &CampaignStudy, options: &Options, translator: &Translator) -> String {
+    let provenance = &options.provenance;
+    let mut shown = data(study, provenance);
+    shown["language"] = json!(options.language.code());
+    shown["decimal"] = json!(if options.language == Language::English { "." } else { "," });
+    translator.value(&mut shown, &VERBATIM);
     let data = in_script(&shown.to_string());
     let nonce = digest(&data);
     let date = provenance.date.map(|date| format!(" · {date}")).unwrap_or_default();
@@ -112,8 +121,7 @@ const PLACES: [(&str, &str); 2] = [
     ("all digests in the appendix", "all digests in the table “Inputs” below"),
 ];
 
-/// Everything that the page shows, in English. Strings below the keys `id` and `key` are names for the script, those below `language` and `decimal` the language
-/// and its sign; all others are shown: a translator has them all here.
+/// Everything that the page shows, in English; a translator has all its strings here.
 fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
     let said: serde_json::Map<String, Value> = words::WORDS.iter().map(|(name, word)| (name.to_string(), json!(word))).collect();
     let summary = story::summary(study);

@@ -4,8 +4,8 @@ const W = DATA.words;
 const SVG = "http://www.w3.org/2000/svg";
 const at = (id) => document.getElementById(id);
 
-// A word with its blanks filled: fill("{n} of {all}", {n: 3, all: 40}).
-const fill = (word, values) => word.replace(/\{(\w+)\}/g, (whole, name) => (name in values ? values[name] : whole));
+// A word with its blanks filled: fill("‹n› of ‹all›", {n: 3, all: 40}).
+const fill = (word, values) => word.replace(/‹(\w+)›/g, (whole, name) => (name in values ? values[name] : whole));
 
 // Text is always a text node: whatever a user wrote is shown, never parsed.
 function add(parent, node, children) {
