@@ -82,15 +82,16 @@ fn significant_number(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
-fn about(c: &Coefficient, unit: &str) -> String {
+/// Lines on one coefficient.
+fn about(c: &Coefficient, unit: &str) -> Vec<String> {
     let effect = with_error(c.effect(), c.se.map(|e| 2.0 * e));
     let effect = if effect.contains('±') && !unit.is_empty() && !effect.starts_with('(') { format!("({effect})") } else { effect };
-    let mut said = format!("{}\neffect {effect}{unit}", document::term(&c.term));
+    let mut said = vec![document::term(&c.term), format!("effect {effect}{unit}")];
     if let (Some(t), Some(p)) = (c.t, c.p) {
-        said.push_str(&format!("\nt {}, p {}", fixed(t, 2), probability(p)));
+        said.push(format!("t {}, p {}", fixed(t, 2), probability(p)));
     }
     if let Some(p) = c.p_holm {
-        said.push_str(&format!("\np (Holm) {}", probability(p)));
+        said.push(format!("p (Holm) {}", probability(p)));
     }
     said
 }

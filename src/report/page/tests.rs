@@ -103,3 +103,18 @@ fn every_estimate_has_a_standard_error_or_the_reason_why_not() {
         }
     }
 }
+
+#[test]
+fn every_word_of_the_page_is_said_in_russian_too() {
+    let study = sample::study();
+    let translator = Translator::strict(Language::Russian, crate::report::language::names(&study));
+    for (_, word) in words::WORDS {
+        translator.say(word);
+    }
+    assert!(translator.missing().is_empty(), "{:?}", translator.missing());
+    let options = Options { language: Language::Russian, ..Options::default() };
+    let page = html(&study, &options, &translator);
+    assert!(page.starts_with("<!DOCTYPE html>\n<html lang=\"ru\">") && page.contains("\"decimal\":\",\""));
+    // What a laboratory wrote stays as it is.
+    assert!(page.contains(&study.campaign.title));
+}

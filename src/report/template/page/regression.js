@@ -89,7 +89,7 @@ const regression = (() => {
         class: "hot", x: left, y: y + 4, width: Math.max(1, sx(bar.size) - left), height: pitch - 8,
         fill: bar.significant ? "#0072b2" : "#fff", stroke: bar.significant ? "#0072b2" : "#6e6e6e",
       }, svg);
-      tip.on(rect, bar.about);
+      tip.on(rect, bar.about.join("\n"));
     });
     if (response.line) {
       shape("line", { x1: sx(response.line), x2: sx(response.line), y1: top - 4, y2: bottom, stroke: "#d55e00", "stroke-width": 1.5, "stroke-dasharray": "5 3" }, svg);
