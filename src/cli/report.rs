@@ -18,13 +18,13 @@ use crate::study::campaign::CampaignStudy;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "The report")]
 pub struct ReportFlags {
-    /// Only this part, or these with commas between: pdf, tables, figures, summary; may be given several times. Work that only the others need is not done.
+    /// Only this part, or these with commas between: pdf, html, tables, figures, summary; may be given several times. Work that only the others need is not done.
     #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = part)]
     pub only: Vec<Part>,
     /// A laboratory's own header: a folder with template.toml (or just logo.svg, logo.png), a TOML file, or a whole template in Typst (docs/report.md).
     #[arg(long, value_name = "FILE|DIR")]
     pub template: Option<PathBuf>,
-    /// Language of the document, the figures and the workbook's first sheet: en or ru; `language` of campaign.toml unless told.
+    /// Language of the document, the page, the figures and the workbook's first sheet: en or ru; `language` of campaign.toml unless told.
     #[arg(long, value_name = "en|ru", value_parser = language)]
     pub language: Option<Language>,
     /// Size of a page: a4 or letter.

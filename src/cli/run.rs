@@ -24,7 +24,7 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV, in parquet/ and as sheets of\n\
+Writes report.pdf, report.html, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV, in parquet/ and as sheets of\n\
 report.xlsx: fits, models, folds, candidates,\n\
 predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\

@@ -1,12 +1,12 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
-mod beyond;
+pub(super) mod beyond;
 mod exhibits;
 pub mod irregular;
-mod regression;
+pub(super) mod regression;
 mod runs;
-mod story;
-mod theory;
+pub(super) mod story;
+pub(super) mod theory;
 mod words;
 
 use serde_json::{Value, json};
@@ -139,7 +139,7 @@ fn english(study: &CampaignStudy, gallery: &Gallery, options: &Options) -> Value
     })
 }
 
-fn apparatus(apparatus: Apparatus) -> &'static str {
+pub(super) fn apparatus(apparatus: Apparatus) -> &'static str {
     match apparatus {
         Apparatus::Skirt => "conic skirts",
         Apparatus::Drapemeter => "drape tester",
@@ -147,7 +147,7 @@ fn apparatus(apparatus: Apparatus) -> &'static str {
 }
 
 /// The title page's table: what, how, from which files.
-fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
+pub(super) fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
     let campaign = &study.campaign;
     let mut facts = vec![];
     let mut fact = |name: &str, value: String| facts.push([name.to_string(), value]);

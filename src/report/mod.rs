@@ -16,6 +16,7 @@ pub mod letterhead;
 pub mod note;
 pub mod number;
 pub mod output;
+pub mod page;
 pub mod paper;
 pub mod raster;
 pub mod section;
@@ -60,6 +61,8 @@ pub struct Provenance {
 pub enum Part {
     /// `report.pdf`.
     Pdf,
+    /// `report.html`.
+    Html,
     /// Every table as CSV, Parquet and sheet of `report.xlsx`.
     Tables,
     /// `figures/`.
@@ -70,12 +73,13 @@ pub enum Part {
 
 impl Part {
     /// All of them, in the order in which they are written.
-    pub const ALL: [Part; 4] = [Part::Pdf, Part::Tables, Part::Summary, Part::Figures];
+    pub const ALL: [Part; 5] = [Part::Pdf, Part::Html, Part::Tables, Part::Summary, Part::Figures];
 
     /// As the command line spells it.
     pub fn name(self) -> &'static str {
         match self {
             Part::Pdf => "pdf",
+            Part::Html => "html",
             Part::Tables => "tables",
             Part::Figures => "figures",
             Part::Summary => "summary",
@@ -99,7 +103,7 @@ pub struct Options {
     pub provenance: Provenance,
     /// What is wanted; work that only the others need is not done.
     pub parts: BTreeSet<Part>,
-    /// Of the PDF, the figures and the words of the workbook; names in tables and keys of the summary are the same in all.
+    /// Of the PDF, the page, the figures and the words of the workbook; names in tables and keys of the summary are the same in all.
     pub language: Language,
     pub paper: Paper,
     pub letterhead: Letterhead,
@@ -128,7 +132,7 @@ impl Options {
     }
 }
 
-/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, every table of [`tables`] as CSV, then as Parquet
+/// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, `report.html`, every table of [`tables`] as CSV, then as Parquet
 /// and in `report.xlsx`, `summary.json`, `figures/*.png`; docs/results.md describes them.
 ///
 /// Each file is written beside its place and then renamed: a file of the report is whole or not there.
@@ -143,6 +147,9 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
     if options.wants(Part::Pdf) {
         put("report.pdf", &document::pdf(study, &gallery, options, &translator)?)?;
+    }
+    if options.wants(Part::Html) {
+        put("report.html", page::html(study, options, &translator).as_bytes())?;
     }
     if options.wants(Part::Tables) {
         let tables = tables::all(study);

@@ -23,6 +23,7 @@ fn a_report_is_written_whole_and_is_the_same_twice() {
     let names: Vec<String> = once.iter().map(|p| p.strip_prefix(folder.path().join("a")).unwrap().display().to_string()).collect();
     for expected in [
         "report.pdf",
+        "report.html",
         "fits.csv",
         "regression.csv",
         "quarantine.csv",

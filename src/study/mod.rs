@@ -7,6 +7,7 @@ pub mod check;
 pub mod comparison;
 pub mod further;
 pub mod desirable;
+pub mod draped;
 pub mod fidelities;
 pub mod intervals;
 pub mod irregular;

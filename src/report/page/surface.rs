@@ -1,0 +1,159 @@
+//! The surfaces of a run as the page turns them, and one scale of colours for each field over all runs.
+
+use serde_json::{Value, json};
+
+use super::packed::packed;
+use crate::report::number::fixed;
+use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::draped::{Carried, DrapedSurface, Field, HemOf, Options, Quantity, draped};
+use crate::units::{MILLIMETRE, MILLINEWTON};
+
+/// Corners are sent to this place, m: the picture is a few hundred pixels high.
+pub const STEP: f64 = 0.1 * MILLIMETRE;
+
+/// How a quantity is shown: label, sentence, unit, what that unit is in SI, the place it is sent to (in that unit), decimals.
+struct Shown {
+    quantity: Quantity,
+    label: &'static str,
+    about: &'static str,
+    unit: &'static str,
+    factor: f64,
+    step: f64,
+    decimals: usize,
+}
+
+const SHOWN: [Shown; 3] = [
+    Shown {
+        quantity: Quantity::Flexure,
+        label: "Flexure",
+        about: "Flexure: distance from the axis less that of the unfolded cone.",
+        unit: "mm",
+        factor: MILLIMETRE,
+        step: 0.1,
+        decimals: 1,
+    },
+    Shown {
+        quantity: Quantity::Curvature,
+        label: "Curvature",
+        about: "Curvature: of the level ring; positive where it turns like a circle.",
+        unit: "1/m",
+        factor: 1.0,
+        step: 0.02,
+        decimals: 1,
+    },
+    Shown {
+        quantity: Quantity::BendingMoment,
+        label: "Bending moment",
+        about: "Bending moment: per width, rigidity times curvature; the stress intensity at the faces of the cloth is proportional to it.",
+        unit: "mN",
+        factor: MILLINEWTON,
+        step: 0.0002,
+        decimals: 3,
+    },
+];
+
+/// Share of the points at either end that may be beyond the scale: sharp bends would take all colours otherwise.
+const BEYOND: f64 = 0.02;
+
+/// One field's colours over all runs.
+pub struct Scale {
+    shown: &'static Shown,
+    low: f64,
+    high: f64,
+}
+
+impl Scale {
+    pub fn json(&self) -> Value {
+        let Shown { label, about, unit, decimals, .. } = self.shown;
+        json!({ "label": label, "about": about, "unit": unit, "decimals": decimals, "low": rounded(self.low, self.shown), "high": rounded(self.high, self.shown) })
+    }
+}
+
+/// One for each quantity that can be shown, in their order.
+pub fn scales(study: &CampaignStudy, options: &Options) -> Vec<Scale> {
+    let all: Vec<Field> = study.runs.iter().flat_map(|run| draped(run, options)).flat_map(|surface| surface.fields).collect();
+    let one = |shown: &'static Shown| {
+        let values = all.iter().filter(|f| f.quantity == shown.quantity).flat_map(|f| &f.values).map(|v| v / shown.factor);
+        let (low, high) = range(values.collect());
+        Scale { shown, low, high }
+    };
+    SHOWN.iter().map(one).collect()
+}
+
+/// The middle part of the values.
+fn range(mut values: Vec<f64>) -> (f64, f64) {
+    values.retain(|v| v.is_finite());
+    if values.is_empty() {
+        return (0.0, 1.0);
+    }
+    let last = values.len() - 1;
+    let cut = (BEYOND * last as f64) as usize;
+    let low = *values.select_nth_unstable_by(cut, f64::total_cmp).1;
+    let high = *values.select_nth_unstable_by(last - cut, f64::total_cmp).1;
+    (low, high)
+}
+
+fn rounded(value: f64, shown: &Shown) -> f64 {
+    let decimals = shown.decimals + 1;
+    format!("{value:.decimals$}").parse::<f64>().unwrap_or(value) + 0.0
+}
+
+/// The surfaces of one run.
+pub fn surfaces(study: &RunStudy, options: &Options) -> Vec<Value> {
+    draped(study, options).iter().map(surface).collect()
+}
+
+fn surface(surface: &DrapedSurface) -> Value {
+    let (key, label) = match surface.hem_of {
+        HemOf::Fit => ("fitted", "fitted hem"),
+        HemOf::Theory => ("theory", "theory"),
+    };
+    let about = match (surface.hem_of, surface.carried) {
+        (_, Carried::Linear) => {
+            "The fitted hem carried up to the round waist by the paper’s equation (18): p, q and s linear in height. Dots: measured points."
+                .to_string()
+        }
+        (HemOf::Fit, Carried::Straight { beyond }) => {
+            let out = match beyond {
+                b if STEP < b => format!(
+                    " Parts of the hem lie up to {} mm further out than the cloth reaches; they are drawn level.",
+                    fixed(b / MILLIMETRE, 1)
+                ),
+                _ => String::new(),
+            };
+            format!("The fitted hem below straight generatrices of the specimen’s length.{out}")
+        }
+        (HemOf::Theory, Carried::Straight { .. }) => {
+            "The hem of least energy at the fitted fold count, below straight generatrices as long as the slant; nothing in it is fitted."
+                .to_string()
+        }
+    };
+    let fields = surface.fields.iter().filter_map(|field| {
+        let (index, shown) = SHOWN.iter().enumerate().find(|(_, s)| s.quantity == field.quantity)?;
+        let values = || field.values.iter().map(|v| v / shown.factor);
+        let (low, high) = range(values().collect());
+        let (low, high) = (rounded(low, shown), rounded(high, shown));
+        Some(json!({ "field": index, "low": low, "high": high, "step": shown.step, "values": packed(values(), 1, shown.step) }))
+    });
+    json!({
+        "key": key,
+        "label": label,
+        "about": about,
+        "copies": surface.copies,
+        "round": surface.round,
+        "down": surface.down,
+        "level": surface.carried == Carried::Linear,
+        "disc": surface.hem_of == HemOf::Fit && surface.carried != Carried::Linear,
+        "points": packed(surface.points.iter().flatten().copied(), 3, STEP),
+        "fields": fields.collect::<Vec<_>>(),
+    })
+}
+
+/// Why a run has no surface; empty where it has one.
+pub fn missing(study: &RunStudy) -> &'static str {
+    match (&study.fit, &study.run.skirt) {
+        (Err(_), _) => "There is no surface without a fit.",
+        (_, None) => "There is no surface: the cut is not known.",
+        _ => "",
+    }
+}
