@@ -8,6 +8,7 @@ pub mod init;
 pub mod mesh;
 pub mod paper;
 mod pictures;
+pub mod plot;
 pub mod predict;
 pub mod regress;
 pub mod run;
@@ -52,6 +53,7 @@ enum Command {
     Init(init::Init),
     Import(import::Import),
     Paper(paper::Paper),
+    Plot(plot::Plot),
 }
 
 /// Parses the command line and runs it.
@@ -67,6 +69,7 @@ pub fn run() -> ExitCode {
         Command::Init(args) => init::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Paper(args) => paper::run(&args),
+        Command::Plot(args) => plot::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");
@@ -124,6 +127,12 @@ fn hem_length(text: &str) -> Result<HemLength, String> {
             _ => Err(format!("“{text}” is no hem length: use auto, free, or a length in cm such as 163.4")),
         },
     }
+}
+
+/// Dots per inch.
+fn dots(text: &str) -> Result<f64, String> {
+    let wrong = || format!("“{text}” is no number of dots per inch: use one from 20 to 2400, such as 300");
+    text.parse::<f64>().ok().filter(|dots| (20.0..=2400.0).contains(dots)).ok_or_else(wrong)
 }
 
 /// `on` or `off`.

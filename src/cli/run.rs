@@ -23,7 +23,7 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV: fits, models, folds, candidates,\n\
+Writes report.pdf, summary.json, figures/*.svg and *.png, overlays/*.png (each silhouette with its traced outline), and as CSV: fits, models, folds, candidates,\n\
 predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
 fidelities, fidelity_summary. docs/results.md describes every column.\n\n\
@@ -35,9 +35,12 @@ pub struct Run {
     /// Where the report goes; made if it is not there.
     #[arg(long, default_value = "reports", value_name = "DIR")]
     pub out: PathBuf,
-    /// Leave out figures/*.png (the figures of the PDF stay): several times faster.
+    /// Leave out figures/ (the figures of the PDF stay): faster.
     #[arg(long)]
     pub no_pictures: bool,
+    /// Dots per inch of figures/*.png, 20 to 2400.
+    #[arg(long, default_value_t = report::raster::DPI, value_parser = super::dots, value_name = "DPI")]
+    pub dpi: f64,
     /// Print summary.json on stdout instead of the summary in words.
     #[arg(long)]
     pub json: bool,
@@ -45,7 +48,7 @@ pub struct Run {
 
 impl Default for Run {
     fn default() -> Self {
-        Run { campaign: "data".into(), out: "reports".into(), no_pictures: false, json: false }
+        Run { campaign: "data".into(), out: "reports".into(), no_pictures: false, dpi: report::raster::DPI, json: false }
     }
 }
 
@@ -59,8 +62,12 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
     let (study, bar) = super::analysed(imported);
     bar.set_message("Writing the report");
     let provenance = report::Provenance { settings: settings(&study), date: report::Date::from_environment() };
-    let options = report::Options { provenance, pictures: !args.no_pictures };
-    let mut written = report::write(&study, &args.out, &options)?;
+    let options = report::Options { provenance, pictures: !args.no_pictures, dpi: args.dpi };
+    let progress = |told: report::Progress| match told {
+        report::Progress::Ahead(steps) => bar.inc_length(steps as u64),
+        report::Progress::Step => bar.inc(1),
+    };
+    let mut written = report::write_with(&study, &args.out, &options, &progress)?;
     written.extend(write_overlays(&silhouettes, "run", &args.out)?);
     bar.finish_and_clear();
     if args.json {

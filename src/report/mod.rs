@@ -10,11 +10,15 @@ pub mod fidelities;
 pub mod figure;
 pub mod gallery;
 pub mod irregular;
+pub mod kinds;
 pub mod note;
 pub mod number;
 pub mod output;
 pub mod paper;
+pub mod parallel;
+pub mod picture;
 pub mod raster;
+mod scenes;
 pub mod summary;
 mod sureness;
 pub mod table;
@@ -27,8 +31,6 @@ mod sample;
 mod tests;
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub use date::Date;
 
@@ -48,28 +50,58 @@ pub struct Provenance {
 #[derive(Debug, Clone)]
 pub struct Options {
     pub provenance: Provenance,
-    /// Whether `figures/*.png` are wanted; they take longer than everything else together.
+    /// Whether `figures/` is wanted: every figure of the document as SVG and PNG.
     pub pictures: bool,
+    /// Dots per inch of the PNG files.
+    pub dpi: f64,
 }
 
 impl Default for Options {
     /// Everything, of unknown provenance.
     fn default() -> Self {
-        Options { provenance: Provenance::default(), pictures: true }
+        Options { provenance: Provenance::default(), pictures: true, dpi: raster::DPI }
     }
 }
 
 /// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, the tables of
-/// [`table`] and [`analysis_table`] as CSV, `summary.json`, `figures/*.png`; docs/results.md describes them.
+/// [`table`] and [`analysis_table`] as CSV, `summary.json`, `figures/*.svg` and `figures/*.png`; docs/results.md describes them.
 ///
 /// Each file is written beside its place and then renamed: a file of the report is whole or not there.
 ///
 /// # Errors
 /// [`Error::File`] if the folder cannot be written, [`Error::Output`] if a figure or the document cannot be produced.
 pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<Vec<PathBuf>, Error> {
+    write_with(study, folder, options, &|_| ())
+}
+
+/// What [`write_with`] tells while it works.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// So many steps are ahead.
+    Ahead(usize),
+    /// One of them is done.
+    Step,
+}
+
+/// As [`write`], telling how far it is.
+///
+/// # Errors
+/// Those of [`write`].
+pub fn write_with(
+    study: &CampaignStudy,
+    folder: &Path,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Vec<PathBuf>, Error> {
     let gallery = gallery::draw(study)?;
-    let pictures = if options.pictures { rasterize(&gallery)? } else { vec![] };
-    let pdf = document::pdf(study, &gallery, &options.provenance)?;
+    // The document is set on one core: the others draw the pictures meanwhile.
+    let (pictures, pdf) = std::thread::scope(|scope| {
+        let pictures = options.pictures.then(|| scope.spawn(|| picture::write_all(&gallery, folder, options.dpi, progress)));
+        let pdf = document::pdf(study, &gallery, &options.provenance);
+        let pictures = pictures.map(|drawing| drawing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        (pictures, pdf)
+    });
+    let (pictures, pdf) = (pictures.transpose()?.unwrap_or_default(), pdf?);
     let mut summary = serde_json::to_string_pretty(&summary::summary(study, &options.provenance))
         .map_err(|error| Error::Output { what: "summary.json".into(), why: error.to_string() })?;
     summary.push('\n');
@@ -103,30 +135,6 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
     for (name, bytes) in &files {
         written.push(output::write(folder, name, bytes)?);
     }
-    for (name, bytes) in &pictures {
-        written.push(output::write(folder, name, bytes)?);
-    }
+    written.extend(pictures);
     Ok(written)
-}
-
-/// All pictures, each on the next free core; the order of the result is that of the gallery.
-fn rasterize(gallery: &gallery::Gallery) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let figures: Vec<(&String, &String)> = gallery.iter().collect();
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::with_capacity(figures.len()));
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(|| {
-                while let Some((i, (stem, svg))) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, figures.get(i)?))) {
-                    let name = format!("figures/{stem}.png");
-                    let picture = raster::png(&name, svg).map(|png| (name, png));
-                    done.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((i, picture));
-                }
-            });
-        }
-    });
-    let mut done = done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-    done.sort_by_key(|(i, _)| *i);
-    done.into_iter().map(|(_, picture)| picture).collect()
 }

@@ -2,32 +2,68 @@
 
 use std::sync::{Arc, LazyLock};
 
+use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Unit};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{self, fontdb};
 
 use crate::error::Error;
+use crate::units::INCH;
 
-/// Dots per inch of every picture, what printers ask for.
+/// Dots per inch of every picture unless told otherwise, what printers ask for.
 pub const DPI: f64 = 300.0;
 
 /// CSS pixels per inch: the unit in which the SVG reader states sizes.
 const CSS_DPI: f64 = 96.0;
+
+/// More pixels than an A0 sheet at 300 dpi has are a mistake, and would not fit into memory.
+const MOST_PIXELS: f64 = 1.4e8;
 
 /// The SVG as PNG bytes at [`DPI`] on white, its text set in the embedded font. `name` is for messages.
 ///
 /// # Errors
 /// [`Error::Output`] if the SVG cannot be read or is too large to draw.
 pub fn png(name: &str, svg: &str) -> Result<Vec<u8>, Error> {
+    png_at(name, svg, DPI)
+}
+
+/// The same at `dpi` dots per inch; the picture says so itself, so that it is printed in its size.
+///
+/// # Errors
+/// As [`png`].
+pub fn png_at(name: &str, svg: &str, dpi: f64) -> Result<Vec<u8>, Error> {
     let fault = |why: String| Error::Output { what: name.to_string(), why };
     let options = usvg::Options { fontdb: Arc::clone(&FONTS), font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(svg, &options).map_err(|error| fault(error.to_string()))?;
-    let scale = (DPI / CSS_DPI) as f32;
+    let scale = dpi / CSS_DPI;
     let size = tree.size();
-    let (width, height) = ((size.width() * scale).round() as u32, (size.height() * scale).round() as u32);
-    let mut pixmap = Pixmap::new(width, height).ok_or_else(|| fault(format!("{width} × {height} pixels are not drawable")))?;
+    let (width, height) = ((f64::from(size.width()) * scale).round(), (f64::from(size.height()) * scale).round());
+    if MOST_PIXELS < width * height {
+        return Err(fault(format!("{width} × {height} pixels are too many to draw; ask for fewer dots per inch")));
+    }
+    let undrawable = || fault(format!("{width} × {height} pixels are not drawable; ask for more dots per inch"));
+    let mut pixmap = Pixmap::new(width as u32, height as u32).ok_or_else(undrawable)?;
     pixmap.fill(Color::WHITE);
-    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
-    pixmap.encode_png().map_err(|error| fault(error.to_string()))
+    resvg::render(&tree, Transform::from_scale(scale as f32, scale as f32), &mut pixmap.as_mut());
+    encoded(&pixmap, dpi).map_err(|error| fault(error.to_string()))
+}
+
+/// The pixels as PNG. The paper is opaque, so alpha is left out; a picture without colour keeps one byte a pixel.
+fn encoded(pixmap: &Pixmap, dpi: f64) -> Result<Vec<u8>, png::EncodingError> {
+    let pixels = pixmap.data().as_chunks::<4>().0;
+    let grey = pixels.iter().all(|[r, g, b, _]| r == g && g == b);
+    let data: Vec<u8> =
+        if grey { pixels.iter().map(|p| p[0]).collect() } else { pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect() };
+    let mut bytes = Vec::with_capacity(data.len() / 16);
+    let mut encoder = Encoder::new(&mut bytes, pixmap.width(), pixmap.height());
+    encoder.set_color(if grey { ColorType::Grayscale } else { ColorType::Rgb });
+    encoder.set_depth(BitDepth::Eight);
+    let per_metre = (dpi / INCH).round() as u32;
+    encoder.set_pixel_dims(Some(PixelDimensions { xppu: per_metre, yppu: per_metre, unit: Unit::Meter }));
+    encoder.set_compression(Compression::Fast);
+    // Plain paper: most rows repeat the one above.
+    encoder.set_filter(Filter::Up);
+    encoder.write_header()?.write_image_data(&data)?;
+    Ok(bytes)
 }
 
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {

@@ -12,7 +12,7 @@ fn provenance() -> Provenance {
 #[test]
 fn a_report_is_written_whole_and_is_the_same_twice() {
     let study = sample::study();
-    let options = Options { provenance: provenance(), pictures: true };
+    let options = Options { provenance: provenance(), ..Options::default() };
     let folder = tempfile::tempdir().unwrap();
     let once = write(&study, &folder.path().join("a"), &options).unwrap();
     let twice = write(&study, &folder.path().join("b"), &options).unwrap();

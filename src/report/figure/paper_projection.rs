@@ -21,15 +21,15 @@ const POINTS: usize = 1440;
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(skirt: &Skirt, hem: &Hem) -> Result<String, Error> {
-    sheet::draw("the paper's Figure 2", WIDTH, HEIGHT, |area| paint(area, skirt, hem))
+pub fn draw(heading: &str, origin: &str, skirt: &Skirt, hem: &Hem) -> Result<String, Error> {
+    sheet::draw("the paper's Figure 2", WIDTH, HEIGHT, |area| paint(area, heading, origin, skirt, hem))
 }
 
-fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
-    sheet::title(area, "Figure 2. Plan view of a skirt of big conicity", 0.5, 2.5)?;
+fn paint(area: &Area<'_>, heading: &str, origin: &str, skirt: &Skirt, hem: &Hem) -> Drawn {
+    sheet::title(area, heading, 0.5, 2.5)?;
     let cm = |metres: f64, places: usize| fixed(metres / CENTIMETRE, places);
     let dimensions = format!(
-        "Rₜ = {} cm, Rₙ = {} cm, L = {} cm; least energy at m = {}",
+        "Rₜ = {} cm, Rₙ = {} cm, L = {} cm; {origin} m = {}",
         cm(skirt.waist_radius().0, 1),
         cm(skirt.hem_radius().0, 1),
         cm(skirt.slant_length().0, 1),

@@ -106,6 +106,22 @@ pub fn fitted(text: &str, width: f64, size: f64) -> f64 {
     if natural <= width { size } else { size * width / natural }
 }
 
+/// Names below marks at `x` mm, from left to right, on one line at `y`: all where they fit side by side, evenly thinned where they do not.
+pub fn names_along(area: &Area<'_>, names: &[(f64, &str)], y: f64) -> Drawn {
+    let size = if names.len() < 30 { SMALL } else { 5.8 };
+    let letters = names.iter().map(|(_, name)| name.chars().count()).max().unwrap_or(0) as f64;
+    // Figures are 0.64 em wide; half a letter of room between neighbours.
+    let width = 0.64 * POINT * size * (letters + 0.5);
+    let pitch = names.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(f64::INFINITY, f64::min);
+    let every = (width / pitch).ceil().max(1.0) as usize;
+    names.iter().step_by(every).try_for_each(|(x, name)| text_centre(area, name, *x, y, size, INK))
+}
+
+/// Where the `i`th of `n` runs stands on an axis from `from` to `to` that begins one place before the first and ends one after the last.
+pub fn along((from, to): (f64, f64), i: usize, n: usize) -> f64 {
+    from + (to - from) * (i as f64 + 1.0) / (n as f64 + 1.0)
+}
+
 /// Text whose left edge is at `x`, its middle line at `y` (mm on the area).
 pub fn text_left(area: &Area<'_>, text: &str, x: f64, y: f64, size: f64, color: RGBColor) -> Drawn {
     put(area, text, x, y, &anchored(size, color, false, HPos::Left, VPos::Center))
