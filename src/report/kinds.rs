@@ -208,8 +208,8 @@ pub const KINDS: [Kind; 28] = [
     }),
     of_response("contour", "lines of equal response over two factors, by the regression model", |study, subject| {
         let (said, analysis) = response(subject)?;
-        let model = contour::model(&analysis.reduced.coded, &analysis.coefficients);
-        let drawn = contour::draw(&said.label, &said.unit, analysis.used_runs.len(), factors(study), &model)?;
+        let (model, called) = contour::model(&analysis.reduced.coded, &analysis.coefficients);
+        let drawn = contour::draw(&said.label, &said.unit, analysis.used_runs.len(), factors(study), (&model, called))?;
         drawn.ok_or_else(|| none("contours need two factors, and a model in which one of them acts"))
     }),
     of_response("residuals", "residuals of one response: over the fitted value, in run order, against the normal law", |study, subject| {

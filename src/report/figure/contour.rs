@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
-use super::main_effects::{estimate, factor_name, level_name, with_unit};
+use super::main_effects::{factor_name, level_name, with_unit};
 use super::sheet::{self, Area, BLUE, Chart, Drawn, FULL_WIDTH, INK, LABEL, SKY, SMALL, chart, line, solid, steps};
 use crate::error::Error;
 use crate::experiment::Factor;
@@ -32,12 +32,12 @@ struct Panel {
     held: Vec<(usize, f64)>,
 }
 
-/// Every pair of factors; with three factors the third is held at −1 and at +1, with more the others in their middle. `model` is the reduced model of the
-/// response. `None` with fewer than two factors, or if the model says the same everywhere.
+/// Every pair of factors; with three factors the third is held at −1 and at +1, with more the others in their middle. `model` comes
+/// with what it is called. `None` with fewer than two factors, or if the model says the same everywhere.
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(response: &str, unit: &str, n: usize, factors: &[Factor], model: &Model) -> Result<Option<String>, Error> {
+pub fn draw(response: &str, unit: &str, n: usize, factors: &[Factor], (model, called): (&Model, &str)) -> Result<Option<String>, Error> {
     let panels = panels(factors.len());
     let (low, high) = range(factors, model, &panels);
     if panels.is_empty() || high - low <= 1e-9 * high.abs().max(low.abs()) {
@@ -48,7 +48,7 @@ pub fn draw(response: &str, unit: &str, n: usize, factors: &[Factor], model: &Mo
     let rows = panels.len().div_ceil(COLUMNS);
     let height = TITLE + PANEL * rows as f64;
     let svg = sheet::draw(&format!("contours of {response}"), FULL_WIDTH, height, |area| {
-        let text = format!("{}: lines of equal response by the model of the significant terms, n = {n}", with_unit(response, unit));
+        let text = format!("{}: lines of equal response by {called}, n = {n}", with_unit(response, unit));
         sheet::title(area, &text, 0.5, 2.5)?;
         panels.iter().enumerate().try_for_each(|(i, panel)| paint(area, i, panel, factors, model, &levels, step))
     })?;
@@ -250,12 +250,12 @@ fn joined(mut pieces: Vec<[(f64, f64); 2]>) -> Vec<Vec<(f64, f64)>> {
     lines
 }
 
-/// The model that is drawn: the reduced one, or the full one where nothing is significant.
-pub fn model(reduced: &Model, coefficients: &[Coefficient]) -> Vec<(String, f64)> {
+/// The model that is drawn, and what it is called: that of the significant terms, or the full one where no factor is significant.
+pub fn model(reduced: &Model, coefficients: &[Coefficient]) -> (Vec<(String, f64)>, &'static str) {
     if reduced.iter().any(|(term, _)| term != "1") {
-        return reduced.to_vec();
+        return (reduced.to_vec(), "the model of the significant terms");
     }
-    coefficients.iter().map(|c| (c.term.clone(), estimate(coefficients, &c.term))).collect()
+    (coefficients.iter().map(|c| (c.term.clone(), c.estimate)).collect(), "the full model, of which no term is significant")
 }
 
 #[cfg(test)]

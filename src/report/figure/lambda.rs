@@ -74,11 +74,11 @@ pub fn draw(runs: &[Run], name: &str, unit: &str) -> Result<String, Error> {
         let label = if unit.is_empty() { name.to_string() } else { format!("{name}, {unit}") };
         let n = |values: &[Option<(Way, f64)>]| values.iter().flatten().count();
         let values = first(|w| w.value);
-        let title = format!("First integral: {name}, n = {}", n(&values));
+        let title = format!("First integral: {name}, n = {}; 95 % whiskers, cut at the edge", n(&values));
         panel(area, runs, 0, &title, &label, &values, true, &[])?;
         panel(area, runs, 1, "First integral: how well it holds (1 is best)", "R²", &first(|w| w.measure), false, &[0.5, 0.9])?;
         let values = ritz(|w| w.value);
-        let title = format!("Ritz condition: {name}, n = {}", n(&values));
+        let title = format!("Ritz condition: {name}, n = {}; 95 % whiskers, cut at the edge", n(&values));
         panel(area, runs, 2, &title, &label, &values, true, &[])?;
         panel(
             area,
@@ -157,7 +157,7 @@ fn panel(
         .label_style(sheet::font(SMALL).color(&INK))
         .axis_desc_style(sheet::font(LABEL).color(&INK))
         .y_desc(unit)
-        .y_label_formatter(&|v| number::plain(*v))
+        .y_label_formatter(&|v| number::plain(if v.abs() < 1e-9 * (y.1 - y.0) { 0.0 } else { *v }))
         .draw()?;
     solid(&mut axes, &[(0.0, 0.0), (end, 0.0)], line(INK, 0.2))?;
     for &limit in limits {

@@ -11,7 +11,7 @@ use crate::report::number;
 use crate::units::CENTIMETRE;
 
 /// Height on paper, mm; the width is shared by two panels.
-pub const HEIGHT: f64 = 116.0;
+pub const HEIGHT: f64 = 110.0;
 /// The colour bar: its distance from the lower edge, height and share of the panel's width.
 const BAR: (f64, f64, f64) = (13.0, 3.0, 0.62);
 const BAR_STEPS: usize = 48;
@@ -57,13 +57,15 @@ fn paint(area: &Area<'_>, scene: &Scene, field: &Field, left: f64) -> Drawn {
     let (low, high) = points().map(|p| p[2]).fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(z), h.max(z)));
     let half = (1.05 * widest / (5.0 * CENTIMETRE)).ceil() * 5.0 * CENTIMETRE;
     let elevation: f64 = 0.38;
-    // As large as the panel allows, upwards or sideways.
-    let scale = (24.0 / half).min(58.0 / (high - low).max(half));
-    let view = View { azimuth: 0.45, elevation, scale, vertical: 1.0, origin: (left + 0.5 * width + 3.0, HEIGHT - 45.0) };
-    let tall = high - low;
-    let tick = if 0.3 < tall { 10.0 } else { 5.0 } * CENTIMETRE;
+    let tick = if 0.3 < high - low { 10.0 } else { 5.0 } * CENTIMETRE;
     let heights = Heights { from: low, to: high + 0.4 * tick, tick, unit: CENTIMETRE, name: "z, cm" };
-    view.floor(area, &Floor { half, tick: if 0.2 < half { 10.0 } else { 5.0 } * CENTIMETRE }, &heights)?;
+    let (azimuth, from_below) = (0.45_f64, 39.0);
+    // As large as the panel allows: sideways, or upwards, where the axis of heights at the left corner ends below the titles.
+    let corner = half * (azimuth.cos() - azimuth.sin()) * elevation.sin();
+    let scale = (24.0 / half).min((HEIGHT - from_below - 13.5) / ((heights.to - low) * elevation.cos() + corner));
+    let origin = (left + 0.5 * width + 3.0, HEIGHT - from_below + low * scale * elevation.cos());
+    let view = View { azimuth, elevation, scale, vertical: 1.0, origin };
+    view.floor(area, &Floor { half, tick: if 0.16 < half { 10.0 } else { 5.0 } * CENTIMETRE }, &heights)?;
     let (least, most) = field.values.iter().flatten().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
     let share = |value: f64| if least < most { (value - least) / (most - least) } else { 0.5 };
     let round = scene.rings.first().map_or(0, Vec::len);
