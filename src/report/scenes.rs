@@ -60,7 +60,7 @@ pub fn skirt(run: &RunStudy) -> Result<surface::Scene, String> {
     let said = fit.folds.map_or_else(|| "no folds".to_string(), |m| format!("m = {m}"));
     Ok(surface::Scene {
         run: run.run.id.clone(),
-        caption: format!("{said} · the paper’s surface (18) from the round waist to the fitted hem"),
+        caption: format!("n = {} · {said} · the paper’s surface (18) from the round waist to the fitted hem", fit.distances.len()),
         fields: vec![
             surface::Field {
                 name: "flexure r − R".into(),

@@ -139,6 +139,12 @@ fn paint(area: &Area<'_>, i: usize, panel: &Panel, factors: &[Factor], model: &M
     let mut taken: Vec<(f64, f64)> = vec![];
     // How large a chart's side is on paper, mm: labels keep their distance in it.
     let side = (width - 4.0 - frame.left, PANEL - HEAD - 1.0 - frame.below);
+    let (low, high) = range(factors, model, std::slice::from_ref(panel));
+    if levels.iter().all(|level| *level < low || high < *level) {
+        // Between two lines: what the response is all over the panel.
+        let text = format!("{} to {}", said(low, 0.1 * step), said(high, 0.1 * step));
+        sheet::note(&mut axes, &text, (0.0, 0.06), 0.0, sheet::mark(SMALL, INK, HPos::Center))?;
+    }
     for (number, &level) in levels.iter().enumerate() {
         let share = number as f64 / (levels.len().max(2) - 1) as f64;
         let (color, thick) = (between(SKY, BLUE, share), 0.2 + 0.25 * share);

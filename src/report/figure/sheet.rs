@@ -217,9 +217,8 @@ pub fn chart<'a, 'b>(area: &'a Area<'b>, frame: &Frame<'_>) -> Result<Chart<'a, 
     let y_decimals = decimals(y, frame.y_ticks);
     let x_text = |v: &f64| frame.x_names.map_or_else(|| number::fixed(*v, x_decimals), |names| names(*v));
     let y_text = |v: &f64| frame.y_names.map_or_else(|| number::fixed(*v, y_decimals), |names| names(*v));
-    chart
-        .configure_mesh()
-        .x_labels(frame.x_ticks)
+    let mut mesh = chart.configure_mesh();
+    mesh.x_labels(frame.x_ticks)
         .y_labels(frame.y_ticks)
         .max_light_lines(0)
         .bold_line_style(line(PALE, 0.1))
@@ -227,11 +226,17 @@ pub fn chart<'a, 'b>(area: &'a Area<'b>, frame: &Frame<'_>) -> Result<Chart<'a, 
         .set_all_tick_mark_size(steps(1.0))
         .label_style(font(SMALL).color(&INK))
         .axis_desc_style(font(LABEL).color(&INK))
-        .x_desc(frame.x_label)
-        .y_desc(frame.y_label)
         .x_label_formatter(&x_text)
-        .y_label_formatter(&y_text)
-        .draw()?;
+        .y_label_formatter(&y_text);
+    // An empty title would be a text without letters.
+    if !frame.x_label.is_empty() {
+        mesh.x_desc(frame.x_label);
+    }
+    if !frame.y_label.is_empty() {
+        mesh.y_desc(frame.y_label);
+    }
+    mesh.draw()?;
+    drop(mesh);
     Ok(chart)
 }
 
@@ -285,12 +290,17 @@ pub fn note(chart: &mut Chart<'_, '_>, text: &str, at: (f64, f64), aside: f64, s
     Ok(())
 }
 
-/// A run's name above or below its mark, towards the middle of the x range.
+/// A name of at most `most` letters: a longer one is cut, and says so.
+pub fn shortened(name: &str, most: usize) -> String {
+    if name.chars().count() <= most { name.to_string() } else { name.chars().take(most - 1).chain(['…']).collect() }
+}
+
+/// A run's name above or below its mark, towards the middle of the x range; what is long of it is said elsewhere.
 pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64), above: bool) -> Drawn {
     let right_half = 0.5 * (range.0 + range.1) < at.0;
     let (aside, anchor) = if right_half { (1.0, HPos::Right) } else { (-1.0, HPos::Left) };
     let up = if above { -2.4 } else { 2.4 };
-    let name = Text::new(format!("run {run}"), (steps(aside), steps(up)), mark(SMALL, INK, anchor));
+    let name = Text::new(format!("run {}", shortened(run, 10)), (steps(aside), steps(up)), mark(SMALL, INK, anchor));
     chart.draw_series(std::iter::once(EmptyElement::at(at) + name))?;
     Ok(())
 }
