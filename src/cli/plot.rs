@@ -14,14 +14,16 @@ use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength, RESPONSES};
 use crate::experiment::{Apparatus, Campaign, CheckRules, Design, DrapeProfile, Fabric, Run};
 use crate::import;
+use crate::report::figure::sheet;
 use crate::report::gallery::{cell_name, cells_of};
 use crate::report::kinds::{self, KINDS, Kind, Needs, Of, Subject};
+use crate::report::number::fixed;
 use crate::report::picture::{self, Form};
 use crate::report::{Date, output, raster, words};
 use crate::study::campaign::{CampaignStudy, Measured};
 use crate::study::part::{Part, Runs, analyse_part};
 use crate::study::response;
-use crate::units::STANDARD_GRAVITY;
+use crate::units::{INCH, MILLIMETRE, STANDARD_GRAVITY};
 
 /// Draw one figure: of a campaign, or of profile files alone. Nothing is computed that the figure does not show.
 ///
@@ -127,6 +129,9 @@ pub fn run(args: &Plot) -> Result<ExitCode, Error> {
     let stem = wanted.kind.stem(&subject);
     let svg = (wanted.kind.draw)(&study, &subject)?;
     let options = picture::Options { dpi: args.dpi, width: args.width_mm, grey: args.grey, date: Date::from_environment() };
+    if let Some(points) = smallest_type(&svg, args.width_mm).filter(|points| *points < LEGIBLE) {
+        eprintln!("note: at this width the type is as small as {} points", fixed(points, 1));
+    }
     let bytes = picture::bytes(&stem, &svg, form, &options)?;
     match &args.out {
         Some(out) if out.as_os_str() == "-" => print(&String::from_utf8_lossy(&bytes))?,
@@ -139,6 +144,17 @@ pub fn run(args: &Plot) -> Result<ExitCode, Error> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Type below this, in points, is hard to read in print.
+const LEGIBLE: f64 = 4.5;
+
+/// The smallest type of a drawing that is scaled to a width, points; `None` where it is drawn in its own size.
+fn smallest_type(svg: &str, width: Option<f64>) -> Option<f64> {
+    let scale = width? / picture::size(svg)?.0;
+    let sizes = svg.split(" font-size=\"").skip(1).filter_map(|rest| rest.split('"').next()?.parse::<f64>().ok());
+    let steps = sizes.fold(f64::INFINITY, f64::min);
+    Some(scale * steps / sheet::GRID * MILLIMETRE / INCH * 72.0)
 }
 
 /// By the ending of the file that is asked for; SVG where none is.

@@ -61,7 +61,25 @@ pub fn draw(what: &str, width: f64, height: f64, paint: impl FnOnce(&Area<'_>) -
     painted.map_err(|error: Box<dyn std::error::Error>| Error::Output { what: what.to_string(), why: error.to_string() })?;
     // The backend states its size in pixels; on paper it is in millimetres.
     let in_steps = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
-    Ok(svg.replacen(&in_steps, &format!("width=\"{width}mm\" height=\"{height}mm\""), 1))
+    Ok(without_empty_texts(&svg).replacen(&in_steps, &format!("width=\"{width}mm\" height=\"{height}mm\""), 1))
+}
+
+/// The backend writes a text without letters where a tick has no name; a drawing has none.
+fn without_empty_texts(svg: &str) -> String {
+    let mut kept = String::with_capacity(svg.len());
+    let mut rest = svg;
+    while let Some(at) = rest.find("<text ") {
+        let end = rest[at..].find("</text>").map_or(rest.len(), |end| at + end + "</text>".len());
+        let (before, text) = (&rest[..at], &rest[at..end]);
+        kept.push_str(before);
+        let letters = text.find('>').map_or("", |open| text[open + 1..].trim_end_matches("</text>"));
+        if !letters.trim().is_empty() {
+            kept.push_str(text);
+        }
+        rest = &rest[end..];
+    }
+    kept.push_str(rest);
+    kept
 }
 
 /// A length on the sheet in grid steps.
