@@ -142,7 +142,8 @@ fn paint(area: &Area<'_>, i: usize, panel: &Panel, factors: &[Factor], model: &M
     let (low, high) = range(factors, model, std::slice::from_ref(panel));
     if levels.iter().all(|level| *level < low || high < *level) {
         // Between two lines: what the response is all over the panel.
-        let text = format!("{} to {}", said(low, 0.1 * step), said(high, 0.1 * step));
+        let (low, high) = (said(low, 0.1 * step), said(high, 0.1 * step));
+        let text = if low == high { low } else { format!("{low} to {high}") };
         sheet::note(&mut axes, &text, (0.0, 0.06), 0.0, sheet::mark(SMALL, INK, HPos::Center))?;
     }
     for (number, &level) in levels.iter().enumerate() {
