@@ -11,6 +11,7 @@ mod pictures;
 pub mod plot;
 pub mod predict;
 pub mod regress;
+pub mod report;
 pub mod run;
 pub mod told;
 pub mod workbook;
@@ -25,6 +26,7 @@ use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::fit::intervals::Kind;
 use crate::import::Imported;
+use crate::report::Progress;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::CENTIMETRE;
 
@@ -45,6 +47,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Run),
+    Report(report::Report),
     Fit(fit::Fit),
     Mesh(mesh::Mesh),
     Predict(predict::Predict),
@@ -61,6 +64,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let outcome = match cli.command.unwrap_or(Command::Run(run::Run::default())) {
         Command::Run(args) => run::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Predict(args) => predict::run(&args),
@@ -92,6 +96,14 @@ fn analysed(imported: Imported) -> (CampaignStudy, ProgressBar) {
     let bar = progress(campaign.design.runs.len(), "Fitting");
     let study = analyse(Measured { campaign, profiles, quarantine, sources, notes }, &|| bar.inc(1));
     (study, bar)
+}
+
+/// Moves the bar on by the steps of a report.
+fn steps(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
+    |told| match told {
+        Progress::Ahead(steps) => bar.inc_length(steps as u64),
+        Progress::Step => bar.inc(1),
+    }
 }
 
 /// Writes to stdout. Somebody who closed the pipe (`hemline … | head`) has read enough: no fault.

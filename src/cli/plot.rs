@@ -11,7 +11,7 @@ use super::pictures::PictureFlags;
 use super::told::Told;
 use super::{print, progress};
 use crate::error::Error;
-use crate::experiment::campaign::{Folds, HemLength, RESPONSES};
+use crate::experiment::campaign::{Folds, HemLength, Language, RESPONSES};
 use crate::experiment::{Apparatus, Campaign, CheckRules, Design, DrapeProfile, Fabric, Run};
 use crate::import;
 use crate::report::figure::sheet;
@@ -19,7 +19,7 @@ use crate::report::gallery::{cell_name, cells_of};
 use crate::report::kinds::{self, KINDS, Kind, Needs, Of, Subject};
 use crate::report::number::fixed;
 use crate::report::picture::{self, Form};
-use crate::report::{Date, output, raster, words};
+use crate::report::{self, Date, output, raster, words};
 use crate::study::campaign::{CampaignStudy, Measured};
 use crate::study::part::{Part, Runs, analyse_part};
 use crate::study::response;
@@ -71,6 +71,9 @@ pub struct Plot {
     /// In grey.
     #[arg(long)]
     pub grey: bool,
+    /// Language of the words in it: en or ru; `language` of campaign.toml unless told.
+    #[arg(long, value_parser = super::report::language, value_name = "en|ru")]
+    pub language: Option<Language>,
     #[command(flatten)]
     pub pictures: PictureFlags,
     #[command(flatten)]
@@ -128,6 +131,7 @@ pub fn run(args: &Plot) -> Result<ExitCode, Error> {
     let subject = subject(&wanted, &study)?;
     let stem = wanted.kind.stem(&subject);
     let svg = (wanted.kind.draw)(&study, &subject)?;
+    let svg = report::in_language(&svg, &study, args.language.unwrap_or(study.campaign.language));
     let options = picture::Options { dpi: args.dpi, width: args.width_mm, grey: args.grey, date: Date::from_environment() };
     if let Some(points) = smallest_type(&svg, args.width_mm).filter(|points| *points < LEGIBLE) {
         eprintln!("note: at this width the type is as small as {} points", fixed(points, 1));
@@ -219,6 +223,7 @@ fn of_files(args: &Plot) -> Result<Measured, Error> {
         pictures: None,
         meshes: Default::default(),
         check: CheckRules::usual(0.05, vec![]),
+        language: Language::default(),
     };
     let profiles = profiles.into_iter().map(|(_, profile)| Some(profile)).collect();
     Ok(Measured { campaign, profiles, quarantine: vec![], sources: vec![], notes: vec![] })

@@ -100,6 +100,7 @@ pub fn load_some(folder: &Path, wanted: &dyn Fn(&Run) -> bool) -> Result<Importe
         pictures: file.pictures,
         meshes: file.meshes,
         check: file.check,
+        language: file.language,
     };
     known_runs(&toml, &campaign, &quarantine)?;
     Ok(Imported { campaign, profiles, quarantine, sources, silhouettes, notes })
