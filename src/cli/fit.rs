@@ -132,7 +132,8 @@ pub fn run(args: &Fit) -> Result<ExitCode, Error> {
     let mut profiles: Vec<Weighed> = Vec::new();
     let mut whole = true;
     for file in &args.files {
-        match read(file, args) {
+        let reading = Reading { pictures: &args.pictures, overlay: args.overlay.as_deref(), frame: &args.frame, told: &args.told };
+        match read(file, &reading) {
             Ok((found, set_aside)) => {
                 profiles.extend(found);
                 for sentence in &set_aside {
@@ -270,13 +271,23 @@ fn limits(args: &Fit) -> Result<Limits, Error> {
     Ok(limits)
 }
 
+/// How files of profiles are read.
+pub(super) struct Reading<'a> {
+    pub pictures: &'a PictureFlags,
+    /// Where each silhouette goes with its traced outline laid over it.
+    pub overlay: Option<&'a std::path::Path>,
+    pub frame: &'a Frame,
+    pub told: &'a Told,
+}
+
 /// The profiles of one file, and what was set aside, in sentences.
 type Read = (Vec<Weighed>, Vec<String>);
 
 /// A profile with its name and, where the table has them, the weights of its points.
 type Weighed = (String, DrapeProfile, Option<Vec<f64>>);
 
-fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
+/// Reads the profiles of one file: a table, a silhouette or a mesh.
+pub(super) fn read(file: &std::path::Path, args: &Reading<'_>) -> Result<Read, Error> {
     if image::is_picture(file) {
         let Some(options) = args.pictures.options() else {
             return Err(Error::Unanswerable(format!(
@@ -289,7 +300,7 @@ fn read(file: &std::path::Path, args: &Fit) -> Result<Read, Error> {
             eprintln!("note: {}: {note}", file.display());
         }
         let name = stem(file);
-        if let Some(folder) = &args.overlay {
+        if let Some(folder) = args.overlay {
             // With its extension: a.png and a.jpg are two pictures.
             let whole = file.file_name().map_or_else(|| name.clone(), |whole| whole.to_string_lossy().into_owned());
             let drawing = write_overlay(&name, &words::file_stem(&whole.replace('.', "_")), &silhouette, folder)?;

@@ -8,6 +8,7 @@ pub mod init;
 pub mod mesh;
 pub mod paper;
 mod pictures;
+pub mod plot;
 pub mod predict;
 pub mod regress;
 pub mod report;
@@ -25,6 +26,7 @@ use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::fit::intervals::Kind;
 use crate::import::Imported;
+use crate::report::Progress;
 use crate::study::campaign::{CampaignStudy, Measured, analyse};
 use crate::units::CENTIMETRE;
 
@@ -54,6 +56,7 @@ enum Command {
     Init(init::Init),
     Import(import::Import),
     Paper(paper::Paper),
+    Plot(plot::Plot),
 }
 
 /// Parses the command line and runs it.
@@ -70,6 +73,7 @@ pub fn run() -> ExitCode {
         Command::Init(args) => init::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Paper(args) => paper::run(&args),
+        Command::Plot(args) => plot::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");
@@ -92,6 +96,14 @@ fn analysed(imported: Imported) -> (CampaignStudy, ProgressBar) {
     let bar = progress(campaign.design.runs.len(), "Fitting");
     let study = analyse(Measured { campaign, profiles, quarantine, sources, notes }, &|| bar.inc(1));
     (study, bar)
+}
+
+/// Moves the bar on by the steps of a report.
+fn steps(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
+    |told| match told {
+        Progress::Ahead(steps) => bar.inc_length(steps as u64),
+        Progress::Step => bar.inc(1),
+    }
 }
 
 /// Writes to stdout. Somebody who closed the pipe (`hemline … | head`) has read enough: no fault.
@@ -127,6 +139,12 @@ fn hem_length(text: &str) -> Result<HemLength, String> {
             _ => Err(format!("“{text}” is no hem length: use auto, free, or a length in cm such as 163.4")),
         },
     }
+}
+
+/// Dots per inch.
+fn dots(text: &str) -> Result<f64, String> {
+    let wrong = || format!("“{text}” is no number of dots per inch: use one from 20 to 2400, such as 300");
+    text.parse::<f64>().ok().filter(|dots| (20.0..=2400.0).contains(dots)).ok_or_else(wrong)
 }
 
 /// `on` or `off`.

@@ -24,7 +24,7 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, report.html, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV, in parquet/ and as sheets of\n\
+Writes report.pdf, report.html, summary.json, figures/*.svg and *.png, overlays/*.png (each silhouette with its traced outline), and as CSV, in parquet/ and as sheets of\n\
 report.xlsx: fits, models, folds, candidates,\n\
 predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
@@ -37,7 +37,7 @@ pub struct Run {
     /// Where the report goes; made if it is not there.
     #[arg(long, default_value = "reports", value_name = "DIR")]
     pub out: PathBuf,
-    /// Leave out figures/*.png (the figures of the PDF stay): several times faster.
+    /// Leave out figures/ (the figures of the PDF stay): faster.
     #[arg(long)]
     pub no_pictures: bool,
     /// Print summary.json on stdout instead of the summary in words.
@@ -68,7 +68,7 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
     if args.no_pictures {
         options.parts.remove(&Part::Figures);
     }
-    let mut written = report::write(&study, &args.out, &options)?;
+    let mut written = report::write_with(&study, &args.out, &options, &super::steps(&bar))?;
     written.extend(write_overlays(&silhouettes, "run", &args.out)?);
     bar.finish_and_clear();
     if args.json {

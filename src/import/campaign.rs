@@ -38,6 +38,14 @@ pub struct Imported {
 /// # Errors
 /// If `campaign.toml` or `design.csv` cannot be read or understood, or if not one run has a usable profile: [`Error::File`], [`Error::Input`].
 pub fn load(folder: &Path) -> Result<Imported, Error> {
+    load_some(folder, &|_| true)
+}
+
+/// As [`load`], with the profiles of the runs that are wanted; the others are not read.
+///
+/// # Errors
+/// Those of [`load`], of the runs that are wanted.
+pub fn load_some(folder: &Path, wanted: &dyn Fn(&Run) -> bool) -> Result<Imported, Error> {
     let toml = folder.join("campaign.toml");
     if !toml.is_file() {
         let remedy = format!("a campaign folder has one; `hemline init {}` writes it", folder.display());
@@ -63,14 +71,16 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         notes,
     };
     reader.open_store(&toml)?;
-    let profiles: Vec<Option<DrapeProfile>> = design.runs.iter().zip(&rows).map(|(run, &row)| reader.profile(run, row)).collect();
+    let runs = design.runs.iter().zip(&rows);
+    let profiles: Vec<Option<DrapeProfile>> = runs.map(|(run, &row)| if wanted(run) { reader.profile(run, row) } else { None }).collect();
     reader.note_scales();
     reader.note_repeats(&design.runs);
     reader.note_strays(&design.runs);
     let Profiles { quarantine, sources, silhouettes, notes, .. } = reader;
-    if profiles.iter().all(Option::is_none) {
+    let asked = design.runs.iter().filter(|run| wanted(run)).count();
+    if 0 < asked && profiles.iter().all(Option::is_none) {
         let first = quarantine.first().map(|q| format!(" (first: {q})")).unwrap_or_default();
-        let problem = format!("not one of the {} runs has a usable profile{first}", profiles.len());
+        let problem = format!("not one of the {asked} runs has a usable profile{first}");
         return Err(Error::input(Place::file(table), problem, "put the profile files where the column “profile” says"));
     }
     let campaign = Campaign {

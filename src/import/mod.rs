@@ -32,4 +32,4 @@ pub mod tidy;
 mod wishes;
 mod workbook;
 
-pub use campaign::{Imported, load};
+pub use campaign::{Imported, load, load_some};

@@ -2,15 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::document::irregular::{most_reshaped, most_uneven};
-use super::figure::{
-    agreement, cube, distance, fidelities, folds, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols,
-    uneven,
-};
-use super::number;
-use super::words::{self, Response};
+use super::figure::{agreement, fidelities, folds, gap, half_normal, hem, multiples, residuals, uneven};
+use super::kinds::{KINDS, Kind, Of, Shown, Subject};
+use super::words;
+use super::{number, parallel};
 use crate::error::Error;
-use crate::experiment::Factor;
+use crate::experiment::{Factor, Run};
 use crate::statistics::box_wilson::Analysis;
 use crate::statistics::distribution;
 use crate::study::campaign::{CampaignStudy, RunStudy};
@@ -21,36 +18,63 @@ use crate::units::{MILLIMETRE, PERCENT};
 /// SVG by file stem, in a fixed order.
 pub type Gallery = BTreeMap<String, String>;
 
-/// Draws all figures of a campaign.
+/// Draws all figures of a campaign that are shown without asking.
 ///
 /// # Errors
 /// [`Error::Output`] naming the figure that could not be drawn.
 pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
+    let exhibits = exhibits(study);
+    let drawn = parallel::each(&exhibits, |(kind, subject)| (kind.draw)(study, subject));
     let mut gallery = Gallery::new();
-    gallery.insert("symbols".into(), symbols::draw()?);
-    for (i, page) in multiples::draw(&rows(study))?.into_iter().enumerate() {
-        gallery.insert(format!("all_runs_{:02}", i + 1), page);
-    }
-    for run in &study.runs {
-        let id = words::file_stem(&run.run.id);
-        if let Some(view) = hem::View::of(run) {
-            gallery.insert(format!("hem_{id}"), hem::draw(&view)?);
-        }
-        if let (Some(profile), Ok(fit)) = (&run.profile, &run.fit) {
-            gallery.insert(format!("distance_{id}"), distance::draw(&run.run.id, profile.points(), &fit.distances, fit.rms)?);
+    for ((kind, subject), svg) in exhibits.iter().zip(drawn) {
+        match svg {
+            Ok(svg) => {
+                gallery.insert(kind.stem(subject), svg);
+            }
+            // This campaign has no such figure.
+            Err(Error::Unanswerable(_)) => (),
+            Err(error) => return Err(error),
         }
     }
-    for regression in &study.regressions {
-        if let Ok(analysis) = &regression.analysis {
-            let stem = regression_stem(&regression.response);
-            let said = words::response(&regression.response);
-            draw_response(&mut gallery, &stem, &said, study, analysis)?;
-        }
-    }
-    draw_folds(&mut gallery, study)?;
-    draw_theory(&mut gallery, study)?;
-    draw_fidelities(&mut gallery, study)?;
     Ok(gallery)
+}
+
+/// Every figure of the campaign as a whole, of each run, cell and response. Of the skirts in space only the first of each cell, of the patterns only one for
+/// each cut, and of the paper's own figures only those of the first run: `hemline plot` draws the others.
+fn exhibits(study: &CampaignStudy) -> Vec<(&'static Kind, Subject<'_>)> {
+    let pages = multiples::pages(&rows(study));
+    let cells = cells(&study.runs);
+    let firsts: Vec<&RunStudy> = cells.iter().filter_map(|(_, runs)| runs.iter().copied().find(|run| run.fit.is_ok())).collect();
+    let mut cuts: Vec<&RunStudy> = vec![];
+    for run in study.runs.iter().filter(|run| run.run.skirt.is_some()) {
+        if !cuts.iter().any(|known| known.run.skirt == run.run.skirt) {
+            cuts.push(run);
+        }
+    }
+    let first = study.runs.iter().find(|run| run.fit.is_ok());
+    let mut exhibits = vec![];
+    for kind in &KINDS {
+        match (kind.of, kind.shown) {
+            (Of::Campaign, _) => exhibits.push((kind, Subject::Campaign)),
+            (Of::Page, _) => exhibits.extend((1..=pages).map(|page| (kind, Subject::Page(page)))),
+            (Of::Run, Shown::All) => exhibits.extend(study.runs.iter().map(|run| (kind, Subject::Run(run)))),
+            (Of::Run, Shown::OneOfACell) => exhibits.extend(firsts.iter().map(|run| (kind, Subject::Run(run)))),
+            (Of::Run, Shown::OneOfACut) => exhibits.extend(cuts.iter().map(|run| (kind, Subject::Run(run)))),
+            (Of::Run, Shown::First) => exhibits.extend(first.map(|run| (kind, Subject::Run(run)))),
+            (Of::Cell, _) => exhibits.extend((1..=cells.len()).map(|cell| (kind, Subject::Cell(cell)))),
+            (Of::Response, _) => {
+                let ranking = ["pareto", "half_normal"].contains(&kind.name);
+                let shown = study.regressions.iter().filter(|regression| match &regression.analysis {
+                    // One ranking is enough: by t where there is one.
+                    Ok(analysis) if ranking => analysis.t_critical.is_some() == (kind.name == "pareto"),
+                    Ok(_) => true,
+                    Err(_) => false,
+                });
+                exhibits.extend(shown.map(|regression| (kind, Subject::Response(regression))));
+            }
+        }
+    }
+    exhibits
 }
 
 /// The common beginning of the names of a response's figures.
@@ -58,30 +82,8 @@ pub fn regression_stem(response: &str) -> String {
     format!("regression_{}", words::file_stem(response))
 }
 
-fn draw_response(gallery: &mut Gallery, stem: &str, said: &Response, study: &CampaignStudy, analysis: &Analysis) -> Result<(), Error> {
-    let factors = &study.campaign.design.factors;
-    let n = analysis.used_runs.len();
-    let (label, unit) = (said.label.as_str(), said.unit.as_str());
-    let coefficients = &analysis.coefficients;
-    if let Some(critical) = analysis.t_critical {
-        gallery.insert(format!("{stem}_pareto"), pareto::draw(label, n, coefficients, critical, study.campaign.alpha)?);
-    } else {
-        let margin = analysis.lenth.map(|l| l.margin);
-        gallery.insert(format!("{stem}_half_normal"), half_normal::draw(label, unit, n, &scores(analysis), margin)?);
-    }
-    gallery.insert(format!("{stem}_main_effects"), main_effects::draw(label, unit, n, factors, coefficients)?);
-    if 1 < factors.len() {
-        gallery.insert(format!("{stem}_interactions"), interactions::draw(label, unit, n, factors, coefficients)?);
-    }
-    if let Some(svg) = cube::draw(label, unit, n, factors, coefficients)? {
-        gallery.insert(format!("{stem}_cube"), svg);
-    }
-    gallery.insert(format!("{stem}_residuals"), residuals::draw(label, unit, &observations(study, analysis))?);
-    Ok(())
-}
-
 /// Half-normal scores of all coefficients but the mean: quantile of (rank − ½)/k of |Z|.
-fn scores(analysis: &Analysis) -> Vec<half_normal::Score> {
+pub(super) fn scores(analysis: &Analysis) -> Vec<half_normal::Score> {
     let mut ranked: Vec<(&str, f64)> =
         analysis.coefficients.iter().filter(|c| c.term != "1").map(|c| (c.term.as_str(), c.estimate.abs())).collect();
     ranked.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(b.0)));
@@ -95,7 +97,7 @@ fn scores(analysis: &Analysis) -> Vec<half_normal::Score> {
 }
 
 /// Residuals of the reduced model in run order, with Blom's normal scores (rank − 3/8)/(n + 1/4).
-fn observations(study: &CampaignStudy, analysis: &Analysis) -> Vec<residuals::Residual> {
+pub(super) fn observations(study: &CampaignStudy, analysis: &Analysis) -> Vec<residuals::Residual> {
     let observed: Vec<f64> = analysis.full.fitted.iter().zip(&analysis.full.residuals).map(|(f, r)| f + r).collect();
     // A model of no significant term predicts 0.
     let fitted = analysis.reduced.model.as_ref().map_or_else(|| vec![0.0; observed.len()], |model| model.fitted.clone());
@@ -116,9 +118,17 @@ fn observations(study: &CampaignStudy, analysis: &Analysis) -> Vec<residuals::Re
     analysis.used_runs.iter().enumerate().map(one).collect()
 }
 
-fn draw_theory(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error> {
+/// Theory against measurement, run by run; lengths in mm.
+pub(super) struct Against {
+    pub radius: Vec<agreement::Pair>,
+    pub depth: Vec<agreement::Pair>,
+    pub folds: Vec<agreement::Pair>,
+    pub gaps: Vec<gap::Gap>,
+}
+
+pub(super) fn against(study: &CampaignStudy) -> Against {
     let mm = |v: f64| v / MILLIMETRE;
-    let (mut radius, mut depth, mut folds, mut gaps) = (vec![], vec![], vec![], vec![]);
+    let mut against = Against { radius: vec![], depth: vec![], folds: vec![], gaps: vec![] };
     for (number, (_, cell)) in cells(&study.runs).into_iter().enumerate() {
         for run in cell {
             let (Ok(fit), Some(comparison), Some(prediction)) = (&run.fit, &run.comparison, &run.prediction) else { continue };
@@ -126,12 +136,12 @@ fn draw_theory(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error
             let pair = |fitted: f64, predicted: f64| agreement::Pair { run: id.clone(), fitted, predicted };
             // The circle of equal area, as the comparison means it.
             let mean = (fit.area / std::f64::consts::PI).sqrt();
-            radius.push(pair(mm(mean), mm(mean + comparison.mean_radius)));
-            depth.push(pair(mm(fit.fold_depth), mm(fit.fold_depth + comparison.depth)));
+            against.radius.push(pair(mm(mean), mm(mean + comparison.mean_radius)));
+            against.depth.push(pair(mm(fit.fold_depth), mm(fit.fold_depth + comparison.depth)));
             if let Some(m) = fit.folds {
-                folds.push(pair(f64::from(m), f64::from(prediction.folds)));
+                against.folds.push(pair(f64::from(m), f64::from(prediction.folds)));
             }
-            gaps.push(gap::Gap {
+            against.gaps.push(gap::Gap {
                 run: id.clone(),
                 cell: number,
                 rms: mm(comparison.rms),
@@ -141,16 +151,17 @@ fn draw_theory(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error
             });
         }
     }
-    let median = |pick: fn(&gap::Gap) -> f64| spread(gaps.iter().map(pick)).map(|s| s.median);
-    if let (Some(rms), Some(mean_radius), Some(fold_depth)) = (median(|g| g.rms), median(|g| g.mean_radius), median(|g| g.depth)) {
-        gallery.insert("theory_agreement".into(), agreement::draw(&radius, &depth, &folds)?);
-        gallery.insert("theory_gap".into(), gap::draw(&gaps, [rms, mean_radius, fold_depth])?);
-    }
-    Ok(())
+    against
 }
 
-/// All folds, and the most uneven hem.
-fn draw_folds(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error> {
+/// Medians of the distances from theory: shape, mean radius, depth; `None` where nothing is compared.
+pub(super) fn medians(gaps: &[gap::Gap]) -> Option<[f64; 3]> {
+    let median = |pick: fn(&gap::Gap) -> f64| spread(gaps.iter().map(pick)).map(|s| s.median);
+    Some([median(|g| g.rms)?, median(|g| g.mean_radius)?, median(|g| g.depth)?])
+}
+
+/// The folds of every run that has some.
+pub(super) fn folded(study: &CampaignStudy) -> Vec<folds::Hem> {
     let mut hems = vec![];
     for (number, (_, members)) in cells(&study.runs).into_iter().enumerate() {
         for run in members {
@@ -166,18 +177,10 @@ fn draw_folds(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error>
             });
         }
     }
-    if !hems.is_empty() {
-        gallery.insert("folds".into(), folds::draw(&hems)?);
-    }
-    for (stem, run) in [("folds_uneven", most_uneven(study)), ("folds_reshaped", most_reshaped(study))] {
-        if let Some(view) = run.and_then(uneven_view) {
-            gallery.insert(stem.into(), uneven::draw(&view)?);
-        }
-    }
-    Ok(())
+    hems
 }
 
-fn uneven_view(run: &RunStudy) -> Option<uneven::View> {
+pub(super) fn uneven_view(run: &RunStudy) -> Option<uneven::View> {
     const NODES: usize = 400;
     let (profile, fit, irregular) = (run.profile.as_ref()?, run.fit.as_ref().ok()?, run.irregular.as_ref()?);
     let (model, free) = irregular.free.as_ref().ok()?;
@@ -209,8 +212,8 @@ fn uneven_view(run: &RunStudy) -> Option<uneven::View> {
     })
 }
 
-/// Every fidelity against every run, if there is a theory for any.
-fn draw_fidelities(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error> {
+/// Every fidelity against every run; `None` if there is a theory for none.
+pub(super) fn draw_fidelities(study: &CampaignStudy) -> Option<Result<String, Error>> {
     let (mut names, mut numbers) = (vec![], vec![]);
     for (number, (_, members)) in cells(&study.runs).into_iter().enumerate() {
         for run in members.into_iter().filter(|run| study.fidelities.iter().any(|row| row.run == run.run.id)) {
@@ -219,7 +222,7 @@ fn draw_fidelities(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), E
         }
     }
     if names.is_empty() {
-        return Ok(());
+        return None;
     }
     let series = |pick: &dyn Fn(&FidelityRun) -> Option<f64>| -> Vec<Vec<Option<f64>>> {
         let of = |name: &String, fidelity: &str| study.fidelities.iter().find(|row| row.run == *name && row.fidelity == fidelity);
@@ -241,17 +244,25 @@ fn draw_fidelities(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), E
             series(&|row| Some(f64::from(row.predicted_folds) - f64::from(row.fitted_folds))),
         ),
     ];
-    gallery.insert("theory_fidelities".into(), fidelities::draw(&names, &numbers, &FIDELITIES.map(|(name, _)| name), &panels)?);
-    Ok(())
+    Some(fidelities::draw(&names, &numbers, &FIDELITIES.map(|(name, _)| name), &panels))
 }
 
 /// Runs by cell of the design, cells in standard order (first factor fastest), runs in run order.
 pub fn cells(runs: &[RunStudy]) -> Vec<(&[f64], Vec<&RunStudy>)> {
-    let mut cells: Vec<(&[f64], Vec<&RunStudy>)> = vec![];
+    grouped(runs, |run| &run.run.levels)
+}
+
+/// The same of runs of which nothing is known yet.
+pub fn cells_of(runs: &[Run]) -> Vec<(&[f64], Vec<&Run>)> {
+    grouped(runs, |run| &run.levels)
+}
+
+fn grouped<T>(runs: &[T], levels: impl Fn(&T) -> &[f64]) -> Vec<(&[f64], Vec<&T>)> {
+    let mut cells: Vec<(&[f64], Vec<&T>)> = vec![];
     for run in runs {
-        match cells.iter_mut().find(|(levels, _)| *levels == run.run.levels.as_slice()) {
+        match cells.iter_mut().find(|(known, _)| *known == levels(run)) {
             Some((_, members)) => members.push(run),
-            None => cells.push((&run.run.levels, vec![run])),
+            None => cells.push((levels(run), vec![run])),
         }
     }
     let standard = |a: &[f64], b: &[f64]| a.iter().rev().zip(b.iter().rev()).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne());
@@ -268,7 +279,7 @@ pub fn cell_name(factors: &[Factor], levels: &[f64]) -> Vec<String> {
     factors.iter().zip(levels).map(name).collect()
 }
 
-fn rows(study: &CampaignStudy) -> Vec<multiples::Row> {
+pub(super) fn rows(study: &CampaignStudy) -> Vec<multiples::Row> {
     let factors = &study.campaign.design.factors;
     let row = |(levels, runs): (&[f64], Vec<&RunStudy>)| multiples::Row {
         name: cell_name(factors, levels),

@@ -11,6 +11,7 @@ pub mod fidelities;
 pub mod figure;
 pub mod gallery;
 pub mod irregular;
+pub mod kinds;
 pub mod language;
 pub mod letterhead;
 pub mod note;
@@ -18,7 +19,10 @@ pub mod number;
 pub mod output;
 pub mod page;
 pub mod paper;
+pub mod parallel;
+pub mod picture;
 pub mod raster;
+mod scenes;
 pub mod section;
 mod spreadsheet;
 pub mod summary;
@@ -35,8 +39,6 @@ mod tests;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub use date::Date;
 
@@ -109,6 +111,8 @@ pub struct Options {
     pub letterhead: Letterhead,
     /// Chapters of studies that were made beside the campaign's analysis.
     pub sections: Vec<Section>,
+    /// Dots per inch of the PNG files.
+    pub dpi: f64,
 }
 
 impl Default for Options {
@@ -121,6 +125,7 @@ impl Default for Options {
             paper: Paper::default(),
             letterhead: Letterhead::default(),
             sections: vec![],
+            dpi: raster::DPI,
         }
     }
 }
@@ -133,23 +138,65 @@ impl Options {
 }
 
 /// Writes the report of a campaign into `folder` and returns the paths, in order: `report.pdf`, `report.html`, every table of [`tables`] as CSV, then as Parquet
-/// and in `report.xlsx`, `summary.json`, `figures/*.png`; docs/results.md describes them.
+/// and in `report.xlsx`, `summary.json`, `figures/*.svg` and `figures/*.png`; docs/results.md describes them.
 ///
 /// Each file is written beside its place and then renamed: a file of the report is whole or not there.
 ///
 /// # Errors
 /// [`Error::File`] if the folder cannot be written, [`Error::Output`] if a figure or the document cannot be produced.
 pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<Vec<PathBuf>, Error> {
+    write_with(study, folder, options, &|_| ())
+}
+
+/// What [`write_with`] tells while it works.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// So many steps are ahead.
+    Ahead(usize),
+    /// One of them is done.
+    Step,
+}
+
+/// As [`write()`], telling how far it is.
+///
+/// # Errors
+/// Those of [`write()`].
+pub fn write_with(
+    study: &CampaignStudy,
+    folder: &Path,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Vec<PathBuf>, Error> {
     let translator = Translator::new(options.language, language::names(study));
-    let mut written = vec![];
-    let mut put = |name: &str, bytes: &[u8]| output::write(folder, name, bytes).map(|path| written.push(path));
     let drawn = options.wants(Part::Pdf) || options.wants(Part::Figures);
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
+    // The document is set on one core: the others draw the pictures meanwhile.
+    let (written, pictures) = std::thread::scope(|scope| {
+        let drawing = || picture::write_all(&gallery, folder, options.dpi, progress);
+        let pictures = options.wants(Part::Figures).then(|| scope.spawn(drawing));
+        let written = write_but_pictures(study, folder, options, &gallery, &translator);
+        let pictures = pictures.map(|drawing| drawing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        (written, pictures.unwrap_or_else(|| Ok(vec![])))
+    });
+    let mut written = written?;
+    written.extend(pictures?);
+    Ok(written)
+}
+
+fn write_but_pictures(
+    study: &CampaignStudy,
+    folder: &Path,
+    options: &Options,
+    gallery: &gallery::Gallery,
+    translator: &Translator,
+) -> Result<Vec<PathBuf>, Error> {
+    let mut written = vec![];
+    let mut put = |name: &str, bytes: &[u8]| output::write(folder, name, bytes).map(|path| written.push(path));
     if options.wants(Part::Pdf) {
-        put("report.pdf", &document::pdf(study, &gallery, options, &translator)?)?;
+        put("report.pdf", &document::pdf(study, gallery, options, translator)?)?;
     }
     if options.wants(Part::Html) {
-        put("report.html", page::html(study, options, &translator).as_bytes())?;
+        put("report.html", page::html(study, options, translator).as_bytes())?;
     }
     if options.wants(Part::Tables) {
         let tables = tables::all(study);
@@ -160,15 +207,10 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
             let name = format!("parquet/{}.parquet", named.stem);
             put(&name, &columnar::parquet(&name, &named.table)?)?;
         }
-        put("report.xlsx", &spreadsheet::workbook(study, &tables, &options.provenance, &translator)?)?;
+        put("report.xlsx", &spreadsheet::workbook(study, &tables, &options.provenance, translator)?)?;
     }
     if options.wants(Part::Summary) {
         put("summary.json", summary::text(study, &options.provenance)?.as_bytes())?;
-    }
-    if options.wants(Part::Figures) {
-        for (name, bytes) in rasterize(&gallery)? {
-            put(&name, &bytes)?;
-        }
     }
     Ok(written)
 }
@@ -195,24 +237,7 @@ fn gallery_in(study: &CampaignStudy, options: &Options, translator: &Translator)
     Ok(gallery)
 }
 
-/// All pictures, each on the next free core; the order of the result is that of the gallery.
-fn rasterize(gallery: &gallery::Gallery) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let figures: Vec<(&String, &String)> = gallery.iter().collect();
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::with_capacity(figures.len()));
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(|| {
-                while let Some((i, (stem, svg))) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, figures.get(i)?))) {
-                    let name = format!("figures/{stem}.png");
-                    let picture = raster::png(&name, svg).map(|png| (name, png));
-                    done.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((i, picture));
-                }
-            });
-        }
-    });
-    let mut done = done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-    done.sort_by_key(|(i, _)| *i);
-    done.into_iter().map(|(_, picture)| picture).collect()
+/// A figure in a language, its words measured in the embedded family.
+pub fn in_language(svg: &str, study: &CampaignStudy, language: Language) -> String {
+    Translator::new(language, language::names(study)).svg(svg, &typeset::Sans)
 }

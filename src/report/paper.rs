@@ -35,11 +35,41 @@ impl Figure {
 pub fn figures(check: &PaperCheck) -> Result<Vec<Figure>, Error> {
     let slant = check.skirt.slant_length().0;
     let drawn = [
-        (1, "the truncated cone of Table 1 with its dimensions", Some(paper_cone::draw(&Cone::of(&check.skirt)))),
-        (2, "plan view of a skirt of big conicity", check.wide.as_ref().map(|(skirt, hem)| paper_projection::draw(skirt, hem))),
-        (3, "space form of the surface element", check.space.as_ref().map(|form| paper_element::draw(form, slant, check.hem.folds))),
-        (4, "middle curve of Table 1's skirt, approximate solution", Some(paper_curve::draw(&check.skirt, &check.hem))),
-        (5, "the one-layer shell by equation (18)", Some(paper_shell::draw(&check.surface))),
+        (
+            1,
+            "the truncated cone of Table 1 with its dimensions",
+            Some(paper_cone::draw("Figure 1. The truncated cone of Table 1", &Cone::of(&check.skirt))),
+        ),
+        (
+            2,
+            "plan view of a skirt of big conicity",
+            check.wide.as_ref().map(|(skirt, hem)| {
+                paper_projection::draw("Figure 2. Plan view of a skirt of big conicity", "least energy at", skirt, hem)
+            }),
+        ),
+        (
+            3,
+            "space form of the surface element",
+            check
+                .space
+                .as_ref()
+                .map(|form| paper_element::draw("Figure 3. Space form of the surface element at the hem", form, slant, check.hem.folds)),
+        ),
+        (
+            4,
+            "middle curve of Table 1's skirt, approximate solution",
+            Some(paper_curve::draw(
+                "Figure 4. Middle curve of Table 1’s skirt, approximate solution",
+                "length 2πRₙ, least energy",
+                &check.skirt,
+                &check.hem,
+            )),
+        ),
+        (
+            5,
+            "the one-layer shell by equation (18)",
+            Some(paper_shell::draw("Figure 5. The one-layer shell by equation (18)", &check.surface)),
+        ),
     ];
     drawn.into_iter().filter_map(|(number, shows, svg)| Some(svg?.map(|svg| Figure { number, shows, svg }))).collect()
 }

@@ -174,9 +174,16 @@ fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> Run
     measure(campaign, &mut study, &fit_options(campaign, run));
     let (Some(profile), Ok(fitted)) = (&study.profile, &study.fit) else { return study };
     study.irregular = Some(irregular(profile, fitted));
+    predict(campaign, &mut study);
+    study
+}
+
+/// Predicts the hem of a fitted run where its cloth and cut are known, and compares.
+pub(super) fn predict(campaign: &Campaign, study: &mut RunStudy) {
+    let (Some(profile), Ok(fitted), run) = (&study.profile, &study.fit, &study.run) else { return };
     let Some(skirt) = &run.skirt else {
         study.prediction_missing = Some("the cut is not known".into());
-        return study;
+        return;
     };
     let theory = simulate::Options { gravity: campaign.gravity, ..simulate::Options::default() };
     match simulate::predict(skirt, &run.fabric, &theory) {
@@ -192,7 +199,6 @@ fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>) -> Run
             study.prediction_at_fitted_folds = at_fitted;
         }
     }
-    study
 }
 
 /// (A − πR_t²)/(π(R_n² − R_t²)) of the measured outline (ISO 9073-9).
@@ -212,7 +218,7 @@ fn on_support(tester: &Skirt, outline: &[Point], centre: &Placement) -> f64 {
 /// A pixel or two of a photograph, and what the centre may be off: 2 mm.
 const EDGE: f64 = 2.0 * MILLIMETRE;
 
-fn factorial(campaign: &Campaign) -> Result<FactorialDesign, String> {
+pub(super) fn factorial(campaign: &Campaign) -> Result<FactorialDesign, String> {
     let design = &campaign.design;
     if design.factors.is_empty() {
         return Err("the campaign names no factors".into());

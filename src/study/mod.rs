@@ -14,4 +14,5 @@ pub mod irregular;
 pub mod lack_of_fit;
 pub mod overview;
 pub mod paper;
+pub mod part;
 pub mod response;

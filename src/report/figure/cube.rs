@@ -67,14 +67,18 @@ fn paint(area: &sheet::Area<'_>, factors: &[Factor], coefficients: &[Coefficient
 
 /// Which way each factor rises.
 fn axis_names(area: &sheet::Area<'_>, factors: &[Factor]) -> Drawn {
-    let between = |factor: &Factor| {
+    let between = |name: &str, factor: &Factor, direction: &str| {
         let unit = factor.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
-        format!("{}: {} → {}{unit}", factor.label, level_name(factor, -1.0), level_name(factor, 1.0))
+        format!("{name}: {} → {}{unit}, {direction}", level_name(factor, -1.0), level_name(factor, 1.0))
     };
     let directions = ["to the right", "upwards", "to the back"];
     for (i, (factor, direction)) in factors.iter().zip(directions).enumerate() {
         let y = HEIGHT - 7.8 + 3.0 * i as f64;
-        sheet::text_left(area, &format!("{}, {direction}", between(factor)), 1.0, y, 5.8, INK)?;
+        // What it is where that fits, else its name.
+        let (size, room) = (5.8, WIDTH - 2.0);
+        let whole = between(&factor.label, factor, direction);
+        let text = if size <= sheet::fitted(&whole, room, size) { whole } else { between(&factor.name, factor, direction) };
+        sheet::text_left(area, &text, 1.0, y, sheet::fitted(&text, room, size), INK)?;
     }
     Ok(())
 }

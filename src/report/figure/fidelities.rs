@@ -83,12 +83,10 @@ fn paint(area: &Area<'_>, names: &[String], cells: &[usize], panel: &Panel<'_>, 
         }
     }
     if last {
-        // Forty names fit side by side; more are thinned evenly.
-        let every = names.len().div_ceil(45).max(1);
-        for (i, name) in names.iter().enumerate().step_by(every) {
-            let at = LEFT + (FULL_WIDTH - 1.0 - LEFT) * (i as f64 + 1.0) / end;
-            sheet::text_centre(area, name, at, top + PANEL + 1.2, if names.len() < 30 { SMALL } else { 5.8 }, INK)?;
-        }
+        let across = (LEFT, FULL_WIDTH - 1.0);
+        let marks: Vec<(f64, &str)> =
+            names.iter().enumerate().map(|(i, name)| (sheet::along(across, i, names.len()), name.as_str())).collect();
+        sheet::names_along(area, &marks, top + PANEL + 1.2)?;
     }
     Ok(())
 }

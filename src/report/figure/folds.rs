@@ -42,11 +42,10 @@ pub fn draw(hems: &[Hem]) -> Result<String, Error> {
         paint(area, hems, 1, "Width of each fold: length from valley to valley, times the number of folds", "1 = even", &|hem| {
             (&hem.widths, Some(1.0))
         })?;
-        let every = hems.len().div_ceil(45).max(1);
-        for (i, hem) in hems.iter().enumerate().step_by(every) {
-            let at = LEFT + (FULL_WIDTH - 1.0 - LEFT) * (i as f64 + 1.0) / (hems.len() as f64 + 1.0);
-            sheet::text_centre(area, &hem.run, at, TOP + 2.0 * PANEL + 0.8, if hems.len() < 30 { SMALL } else { 5.8 }, INK)?;
-        }
+        let across = (LEFT, FULL_WIDTH - 1.0);
+        let names: Vec<(f64, &str)> =
+            hems.iter().enumerate().map(|(i, hem)| (sheet::along(across, i, hems.len()), hem.run.as_str())).collect();
+        sheet::names_along(area, &names, TOP + 2.0 * PANEL + 0.8)?;
         let y = TOP + 2.0 * PANEL + 6.0;
         sheet::text_centre(area, "run; runs of one cell stand together", LEFT + 0.5 * (FULL_WIDTH - LEFT), y, LABEL, INK)
     })

@@ -92,14 +92,11 @@ fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &
         if let Some(floor) = floor {
             axes.draw_series(std::iter::once(Circle::new((x, floor[i]), steps(0.7), line(INK, 0.25))))?;
         }
-        if last {
-            // Forty names fit side by side; more are thinned evenly.
-            let every = gaps.len().div_ceil(45);
-            if i % every == 0 {
-                let at = left + (FULL_WIDTH - 1.0 - left) * x / (end);
-                sheet::text_centre(area, &gaps[i].run, at, top + PANEL + 1.2, if gaps.len() < 30 { SMALL } else { 5.8 }, INK)?;
-            }
-        }
+    }
+    if last {
+        let at = |i: usize| left + (FULL_WIDTH - 1.0 - left) * (i as f64 + 1.0) / end;
+        let names: Vec<(f64, &str)> = gaps.iter().enumerate().map(|(i, gap)| (at(i), gap.run.as_str())).collect();
+        sheet::names_along(area, &names, top + PANEL + 1.2)?;
     }
     sheet::note(
         &mut axes,

@@ -122,7 +122,7 @@ fn whiskers(chart: &mut Chart<'_, '_>, view: &View) -> Result<Option<u32>, Box<d
     let every = view.measured.len().div_ceil(DENSE);
     let lines = view.measured.iter().zip(&view.feet).step_by(every).map(|(m, f)| {
         let end = Point::new(f.x + by * (m.x - f.x), f.y + by * (m.y - f.y));
-        PathElement::new(centimetres(&[*f, end]), line(sheet::ORANGE, 0.18))
+        PathElement::new(centimetres(&[*f, end]), line(sheet::ORANGE, 0.28))
     });
     chart.draw_series(lines)?;
     Ok(Some(factor))
@@ -152,7 +152,7 @@ fn legend(area: &Area<'_>, view: &View, y: f64, magnified: Option<u32>) -> Drawn
         x += 20.0;
     }
     if let Some(factor) = magnified {
-        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 3.0), steps(y))], line(sheet::ORANGE, 0.25)))?;
+        area.draw(&PathElement::new(vec![(steps(x), steps(y)), (steps(x + 3.0), steps(y))], line(sheet::ORANGE, 0.28)))?;
         let text = if factor == 1 { "distance".to_string() } else { format!("distance × {factor}") };
         sheet::text_left(area, &text, x + 4.0, y, SMALL, INK)?;
     }

@@ -1,6 +1,7 @@
 //! Results → vector figures (SVG). Drawing geometry only: every number that is shown was computed elsewhere.
 
 pub mod agreement;
+pub mod contour;
 pub mod cube;
 pub mod distance;
 pub mod fidelities;
@@ -9,6 +10,7 @@ pub mod gap;
 pub mod half_normal;
 pub mod hem;
 pub mod interactions;
+pub mod lambda;
 pub mod main_effects;
 pub mod multiples;
 pub mod paper_cone;
@@ -17,9 +19,13 @@ pub mod paper_element;
 pub mod paper_projection;
 pub mod paper_shell;
 pub mod pareto;
+pub mod pattern;
+pub mod polar;
+pub mod replicates;
 pub mod residuals;
 pub mod sheet;
 pub mod space;
+pub mod surface;
 pub mod symbols;
 pub mod uneven;
 

@@ -25,23 +25,42 @@ pub struct Row {
     pub hems: Vec<(View, String)>,
 }
 
-/// The pages of small multiples; cells with many replicates take several rows, many cells several pages.
+/// How many pages the small multiples take: cells with many replicates have several rows, many cells several pages.
+pub fn pages(rows: &[Row]) -> usize {
+    let layout = Layout::of(rows);
+    rows.iter().map(|row| row.hems.len().div_ceil(layout.columns)).sum::<usize>().div_ceil(layout.per_page)
+}
+
+/// One page of small multiples, the first is 1; `None` beyond the last.
 ///
 /// # Errors
-/// [`Error::Output`] if one cannot be drawn.
-pub fn draw(rows: &[Row]) -> Result<Vec<String>, Error> {
-    let columns = rows.iter().map(|row| row.hems.len()).max().unwrap_or(0).clamp(1, MOST_COLUMNS);
-    let width = (FULL_WIDTH - NAME) / columns as f64;
-    // Wide cells are kept short enough that eight rows, a full 2³ design, fill one page.
-    let height = (width + FOOT).min(LARGEST + FOOT).min((PAGE_HEIGHT - HEAD) / 8.0);
+/// [`Error::Output`] if it cannot be drawn.
+pub fn draw(rows: &[Row], page: usize) -> Result<Option<String>, Error> {
+    let Layout { columns, width, height, per_page } = Layout::of(rows);
     let lines: Vec<Row> = rows.iter().flat_map(|row| split(row, columns)).collect();
-    let per_page = ((PAGE_HEIGHT - HEAD) / height).floor() as usize;
     let reach = lines.iter().flat_map(|row| &row.hems).map(|(view, _)| view.reach()).fold(0.0, f64::max);
-    let page = |(i, lines): (usize, &[Row])| {
-        let tall = HEAD + height * lines.len() as f64;
-        sheet::draw(&format!("page {} of small multiples", i + 1), FULL_WIDTH, tall, |area| paint(area, lines, width, height, reach))
-    };
-    lines.chunks(per_page).enumerate().map(page).collect()
+    let Some(lines) = lines.chunks(per_page).nth(page.saturating_sub(1)) else { return Ok(None) };
+    let tall = HEAD + height * lines.len() as f64;
+    sheet::draw(&format!("page {page} of small multiples"), FULL_WIDTH, tall, |area| paint(area, lines, width, height, reach)).map(Some)
+}
+
+/// How the hems are put on pages: columns, size of a place in mm, rows on a page.
+struct Layout {
+    columns: usize,
+    width: f64,
+    height: f64,
+    per_page: usize,
+}
+
+impl Layout {
+    fn of(rows: &[Row]) -> Self {
+        let columns = rows.iter().map(|row| row.hems.len()).max().unwrap_or(0).clamp(1, MOST_COLUMNS);
+        let width = (FULL_WIDTH - NAME) / columns as f64;
+        // Wide cells are kept short enough that eight rows, a full 2³ design, fill one page.
+        let height = (width + FOOT).min(LARGEST + FOOT).min((PAGE_HEIGHT - HEAD) / 8.0);
+        let per_page = ((PAGE_HEIGHT - HEAD) / height).floor() as usize;
+        Layout { columns, width, height, per_page }
+    }
 }
 
 /// A row wider than the page goes on below; only its first line is named.

@@ -24,12 +24,12 @@ const RING: usize = 180;
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(cone: &Cone) -> Result<String, Error> {
-    sheet::draw("the paper's Figure 1", WIDTH, HEIGHT, |area| paint(area, cone))
+pub fn draw(heading: &str, cone: &Cone) -> Result<String, Error> {
+    sheet::draw("the paper's Figure 1", WIDTH, HEIGHT, |area| paint(area, heading, cone))
 }
 
-fn paint(area: &Area<'_>, cone: &Cone) -> Drawn {
-    sheet::title(area, "Figure 1. The truncated cone of Table 1", 0.5, 2.5)?;
+fn paint(area: &Area<'_>, heading: &str, cone: &Cone) -> Drawn {
+    sheet::title(area, heading, 0.5, 2.5)?;
     let (waist, hem, height) = (cone.waist_radius, cone.hem_radius, cone.height);
     let elevation: f64 = 0.28;
     // As large as the sheet allows either way, the base two ring heights above its lower edge.

@@ -19,14 +19,14 @@ pub const HEIGHT: f64 = 112.0;
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(skirt: &Skirt, hem: &Hem) -> Result<String, Error> {
-    sheet::draw("the paper's Figure 4", WIDTH, HEIGHT, |area| paint(area, skirt, hem))
+pub fn draw(heading: &str, origin: &str, skirt: &Skirt, hem: &Hem) -> Result<String, Error> {
+    sheet::draw("the paper's Figure 4", WIDTH, HEIGHT, |area| paint(area, heading, origin, skirt, hem))
 }
 
-fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
-    sheet::title(area, "Figure 4. Middle curve of Table 1’s skirt, approximate solution", 0.5, 2.5)?;
+fn paint(area: &Area<'_>, heading: &str, origin: &str, skirt: &Skirt, hem: &Hem) -> Drawn {
+    sheet::title(area, heading, 0.5, 2.5)?;
     let mm = |metres: f64| fixed(metres / MILLIMETRE, 1);
-    let text = format!("p = {} mm, q = {} mm, s = {} mm, m = {}; length 2πRₙ, least energy", mm(hem.p), mm(hem.q), mm(hem.s), hem.folds);
+    let text = format!("p = {} mm, q = {} mm, s = {} mm, m = {}; {origin}", mm(hem.p), mm(hem.q), mm(hem.s), hem.folds);
     sheet::text_left(area, &text, 0.5, 6.8, SMALL, INK)?;
     let (left, below, top) = (12.0, 9.5, 9.5);
     let side = WIDTH - left - 2.0;

@@ -19,12 +19,12 @@ const ELEMENT: f64 = 8.0 * MILLIMETRE;
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(form: &RuledForm, slant: f64, folds: u32) -> Result<String, Error> {
-    sheet::draw("the paper's Figure 3", WIDTH, HEIGHT, |area| paint(area, form, slant, folds))
+pub fn draw(heading: &str, form: &RuledForm, slant: f64, folds: u32) -> Result<String, Error> {
+    sheet::draw("the paper's Figure 3", WIDTH, HEIGHT, |area| paint(area, heading, form, slant, folds))
 }
 
-fn paint(area: &Area<'_>, form: &RuledForm, slant: f64, folds: u32) -> Drawn {
-    sheet::title(area, "Figure 3. Space form of the surface element at the hem", 0.5, 2.5)?;
+fn paint(area: &Area<'_>, heading: &str, form: &RuledForm, slant: f64, folds: u32) -> Drawn {
+    sheet::title(area, heading, 0.5, 2.5)?;
     let hem = form.ring(1.0);
     let height = |ring: &[Space]| ring.iter().map(|p| p[2]).fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(z), h.max(z)));
     let (low, high) = height(&hem);

@@ -21,15 +21,15 @@ const POINTS: usize = 1440;
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(skirt: &Skirt, hem: &Hem) -> Result<String, Error> {
-    sheet::draw("the paper's Figure 2", WIDTH, HEIGHT, |area| paint(area, skirt, hem))
+pub fn draw(heading: &str, origin: &str, skirt: &Skirt, hem: &Hem) -> Result<String, Error> {
+    sheet::draw("the paper's Figure 2", WIDTH, HEIGHT, |area| paint(area, heading, origin, skirt, hem))
 }
 
-fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
-    sheet::title(area, "Figure 2. Plan view of a skirt of big conicity", 0.5, 2.5)?;
+fn paint(area: &Area<'_>, heading: &str, origin: &str, skirt: &Skirt, hem: &Hem) -> Drawn {
+    sheet::title(area, heading, 0.5, 2.5)?;
     let cm = |metres: f64, places: usize| fixed(metres / CENTIMETRE, places);
     let dimensions = format!(
-        "Rₜ = {} cm, Rₙ = {} cm, L = {} cm; least energy at m = {}",
+        "Rₜ = {} cm, Rₙ = {} cm, L = {} cm; {origin} m = {}",
         cm(skirt.waist_radius().0, 1),
         cm(skirt.hem_radius().0, 1),
         cm(skirt.slant_length().0, 1),
@@ -50,7 +50,8 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
         .collect();
     solid(&mut axes, &outline, line(BLUE, 0.55))?;
     axes.draw_series(std::iter::once(Cross::new((0.0, 0.0), steps(1.0), line(GREY, 0.2))))?;
-    if let Some((direction, crossings)) = ray(hem) {
+    let ray = ray(hem);
+    if let Some((direction, crossings)) = &ray {
         let on = |radius: f64| (radius * direction.cos() / CENTIMETRE, radius * direction.sin() / CENTIMETRE);
         solid(&mut axes, &[(0.0, 0.0), on(0.98 * half * CENTIMETRE)], line(VERMILLION, 0.25))?;
         let marks: Vec<(f64, f64)> = crossings.iter().map(|&r| on(r)).collect();
@@ -63,9 +64,12 @@ fn paint(area: &Area<'_>, skirt: &Skirt, hem: &Hem) -> Drawn {
     for from in [17.0, 18.9, 20.8] {
         rule(from, from + 1.2, line(GREY, 0.3))?;
     }
-    rule(36.0, 41.0, line(VERMILLION, 0.3))?;
-    for (x, name) in [(7.2, "hem"), (23.2, "waist"), (42.2, "a ray from the axis and where it meets the hem")] {
+    for (x, name) in [(7.2, "hem"), (23.2, "waist")] {
         sheet::text_left(area, name, x, y, SMALL, INK)?;
+    }
+    if ray.is_some() {
+        rule(36.0, 41.0, line(VERMILLION, 0.3))?;
+        sheet::text_left(area, "a ray from the axis and where it meets the hem", 42.2, y, SMALL, INK)?;
     }
     Ok(())
 }

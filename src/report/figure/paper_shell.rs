@@ -19,12 +19,12 @@ const FACES: (usize, usize) = (24, 24);
 ///
 /// # Errors
 /// [`Error::Output`] if it cannot be drawn.
-pub fn draw(surface: &LinearSurface) -> Result<String, Error> {
-    sheet::draw("the paper's Figure 5", WIDTH, HEIGHT, |area| paint(area, surface))
+pub fn draw(heading: &str, surface: &LinearSurface) -> Result<String, Error> {
+    sheet::draw("the paper's Figure 5", WIDTH, HEIGHT, |area| paint(area, heading, surface))
 }
 
-fn paint(area: &Area<'_>, surface: &LinearSurface) -> Drawn {
-    sheet::title(area, "Figure 5. The one-layer shell by equation (18)", 0.5, 2.5)?;
+fn paint(area: &Area<'_>, heading: &str, surface: &LinearSurface) -> Drawn {
+    sheet::title(area, heading, 0.5, 2.5)?;
     let hem = surface.hem;
     let mm = |metres: f64| fixed(metres / MILLIMETRE, 1);
     let text = format!(

@@ -61,8 +61,9 @@ fn panel(area: &sheet::Area<'_>, column: usize, x_label: &str, y_label: &str, po
 /// The largest residual either way is named by its run.
 fn name_extremes(axes: &mut sheet::Chart<'_, '_>, points: &[(f64, &Residual)], frame: &sheet::Frame<'_>) -> Drawn {
     let by_residual = |a: &&(f64, &Residual), b: &&(f64, &Residual)| a.1.residual.total_cmp(&b.1.residual);
-    let extremes = [(points.iter().min_by(by_residual), false), (points.iter().max_by(by_residual), true)];
-    for (point, above) in extremes {
+    let (lowest, highest) = (points.iter().min_by(by_residual), points.iter().max_by(by_residual));
+    let names = [(lowest, false), (highest.filter(|_| points.len() != 1), true)];
+    for (point, above) in names {
         if let Some((x, residual)) = point {
             sheet::name_run(axes, &residual.run, (*x, residual.residual), frame.x, above)?;
         }

@@ -61,7 +61,25 @@ pub fn draw(what: &str, width: f64, height: f64, paint: impl FnOnce(&Area<'_>) -
     painted.map_err(|error: Box<dyn std::error::Error>| Error::Output { what: what.to_string(), why: error.to_string() })?;
     // The backend states its size in pixels; on paper it is in millimetres.
     let in_steps = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
-    Ok(svg.replacen(&in_steps, &format!("width=\"{width}mm\" height=\"{height}mm\""), 1))
+    Ok(without_empty_texts(&svg).replacen(&in_steps, &format!("width=\"{width}mm\" height=\"{height}mm\""), 1))
+}
+
+/// The backend writes a text without letters where a tick has no name; a drawing has none.
+fn without_empty_texts(svg: &str) -> String {
+    let mut kept = String::with_capacity(svg.len());
+    let mut rest = svg;
+    while let Some(at) = rest.find("<text ") {
+        let end = rest[at..].find("</text>").map_or(rest.len(), |end| at + end + "</text>".len());
+        let (before, text) = (&rest[..at], &rest[at..end]);
+        kept.push_str(before);
+        let letters = text.find('>').map_or("", |open| text[open + 1..].trim_end_matches("</text>"));
+        if !letters.trim().is_empty() {
+            kept.push_str(text);
+        }
+        rest = &rest[end..];
+    }
+    kept.push_str(rest);
+    kept
 }
 
 /// A length on the sheet in grid steps.
@@ -104,6 +122,22 @@ pub fn fitted(text: &str, width: f64, size: f64) -> f64 {
     // DejaVu Sans sets mixed text 0.58 em wide a letter.
     let natural = 0.58 * POINT * size * text.chars().count() as f64;
     if natural <= width { size } else { size * width / natural }
+}
+
+/// Names below marks at `x` mm, from left to right, on one line at `y`: all where they fit side by side, evenly thinned where they do not.
+pub fn names_along(area: &Area<'_>, names: &[(f64, &str)], y: f64) -> Drawn {
+    let size = if names.len() < 30 { SMALL } else { 5.8 };
+    let letters = names.iter().map(|(_, name)| name.chars().count()).max().unwrap_or(0) as f64;
+    // Figures are 0.64 em wide; half a letter of room between neighbours.
+    let width = 0.64 * POINT * size * (letters + 0.5);
+    let pitch = names.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(f64::INFINITY, f64::min);
+    let every = (width / pitch).ceil().max(1.0) as usize;
+    names.iter().step_by(every).try_for_each(|(x, name)| text_centre(area, name, *x, y, size, INK))
+}
+
+/// Where the `i`th of `n` runs stands on an axis from `from` to `to` that begins one place before the first and ends one after the last.
+pub fn along((from, to): (f64, f64), i: usize, n: usize) -> f64 {
+    from + (to - from) * (i as f64 + 1.0) / (n as f64 + 1.0)
 }
 
 /// Text whose left edge is at `x`, its middle line at `y` (mm on the area).
@@ -201,9 +235,8 @@ pub fn chart<'a, 'b>(area: &'a Area<'b>, frame: &Frame<'_>) -> Result<Chart<'a, 
     let y_decimals = decimals(y, frame.y_ticks);
     let x_text = |v: &f64| frame.x_names.map_or_else(|| number::fixed(*v, x_decimals), |names| names(*v));
     let y_text = |v: &f64| frame.y_names.map_or_else(|| number::fixed(*v, y_decimals), |names| names(*v));
-    chart
-        .configure_mesh()
-        .x_labels(frame.x_ticks)
+    let mut mesh = chart.configure_mesh();
+    mesh.x_labels(frame.x_ticks)
         .y_labels(frame.y_ticks)
         .max_light_lines(0)
         .bold_line_style(line(PALE, 0.1))
@@ -211,11 +244,17 @@ pub fn chart<'a, 'b>(area: &'a Area<'b>, frame: &Frame<'_>) -> Result<Chart<'a, 
         .set_all_tick_mark_size(steps(1.0))
         .label_style(font(SMALL).color(&INK))
         .axis_desc_style(font(LABEL).color(&INK))
-        .x_desc(frame.x_label)
-        .y_desc(frame.y_label)
         .x_label_formatter(&x_text)
-        .y_label_formatter(&y_text)
-        .draw()?;
+        .y_label_formatter(&y_text);
+    // An empty title would be a text without letters.
+    if !frame.x_label.is_empty() {
+        mesh.x_desc(frame.x_label);
+    }
+    if !frame.y_label.is_empty() {
+        mesh.y_desc(frame.y_label);
+    }
+    mesh.draw()?;
+    drop(mesh);
     Ok(chart)
 }
 
@@ -269,12 +308,17 @@ pub fn note(chart: &mut Chart<'_, '_>, text: &str, at: (f64, f64), aside: f64, s
     Ok(())
 }
 
-/// A run's name above or below its mark, towards the middle of the x range.
+/// A name of at most `most` letters: a longer one is cut, and says so.
+pub fn shortened(name: &str, most: usize) -> String {
+    if name.chars().count() <= most { name.to_string() } else { name.chars().take(most - 1).chain(['…']).collect() }
+}
+
+/// A run's name above or below its mark, towards the middle of the x range; what is long of it is said elsewhere.
 pub fn name_run(chart: &mut Chart<'_, '_>, run: &str, at: (f64, f64), range: (f64, f64), above: bool) -> Drawn {
     let right_half = 0.5 * (range.0 + range.1) < at.0;
     let (aside, anchor) = if right_half { (1.0, HPos::Right) } else { (-1.0, HPos::Left) };
     let up = if above { -2.4 } else { 2.4 };
-    let name = Text::new(format!("run {run}"), (steps(aside), steps(up)), mark(SMALL, INK, anchor));
+    let name = Text::new(format!("run {}", shortened(run, 10)), (steps(aside), steps(up)), mark(SMALL, INK, anchor));
     chart.draw_series(std::iter::once(EmptyElement::at(at) + name))?;
     Ok(())
 }

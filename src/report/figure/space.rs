@@ -7,6 +7,9 @@ use crate::model::surface::Space;
 use crate::report::number;
 use crate::units::CENTIMETRE;
 
+/// By how much a face without rim reaches under its neighbours, mm.
+const SEAM: f64 = 0.06;
+
 /// From where a scene is looked at, and where on the sheet it lies.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
@@ -63,10 +66,7 @@ impl View {
     /// Paints the four-cornered faces of a surface over what is there, the farthest first; the side that the corners run round counter-clockwise
     /// is its outer one, the other is painted darker. Each has a thin rim: the mesh.
     pub fn faces(&self, area: &Area<'_>, faces: &[[Space; 4]]) -> Drawn {
-        let middle = |face: &[Space; 4]| face.iter().map(|&p| self.nearness(p)).sum::<f64>();
-        let mut order: Vec<usize> = (0..faces.len()).collect();
-        order.sort_by(|&a, &b| middle(&faces[a]).total_cmp(&middle(&faces[b])).then(a.cmp(&b)));
-        for i in order {
+        for i in self.from_afar(faces) {
             let corners: Vec<(i32, i32)> = faces[i].iter().map(|&p| self.step(p)).collect();
             let light = self.lightness(&faces[i]);
             area.draw(&Polygon::new(corners.clone(), grey(light).filled()))?;
@@ -74,6 +74,33 @@ impl View {
             area.draw(&PathElement::new(rim, line(grey(light - 0.16), 0.07)))?;
         }
         Ok(())
+    }
+
+    /// The same without rims, each face in its own colour, a little darker where it is turned from the light.
+    pub fn coloured(&self, area: &Area<'_>, faces: &[[Space; 4]], colors: &[RGBColor]) -> Drawn {
+        for i in self.from_afar(faces) {
+            let corners: Vec<(f64, f64)> = faces[i].iter().map(|&p| self.place(p)).collect();
+            let middle = corners.iter().fold((0.0, 0.0), |sum, c| (sum.0 + 0.25 * c.0, sum.1 + 0.25 * c.1));
+            // Neighbours overlap by a hair: no paper shines through the seam.
+            let wider = |&(x, y): &(f64, f64)| {
+                let (dx, dy) = (x - middle.0, y - middle.1);
+                let size = dx.hypot(dy).max(1e-9);
+                (steps(x + SEAM * dx / size), steps(y + SEAM * dy / size))
+            };
+            let light = 0.72 + 0.28 * self.lightness(&faces[i]);
+            let dim = |level: u8| (f64::from(level) * light).round() as u8;
+            let color = RGBColor(dim(colors[i].0), dim(colors[i].1), dim(colors[i].2));
+            area.draw(&Polygon::new(corners.iter().map(wider).collect::<Vec<_>>(), color.filled()))?;
+        }
+        Ok(())
+    }
+
+    /// The numbers of the faces, the farthest first.
+    fn from_afar(&self, faces: &[[Space; 4]]) -> Vec<usize> {
+        let nearness: Vec<f64> = faces.iter().map(|face| face.iter().map(|&p| self.nearness(p)).sum()).collect();
+        let mut order: Vec<usize> = (0..faces.len()).collect();
+        order.sort_by(|&a, &b| nearness[a].total_cmp(&nearness[b]).then(a.cmp(&b)));
+        order
     }
 
     /// 0 black … 1 white: light from the upper left, behind the eye.

@@ -53,7 +53,8 @@ pub fn draw(view: &View) -> Result<String, Error> {
 }
 
 fn plan(area: &Area<'_>, view: &View) -> Drawn {
-    sheet::title(area, &format!("Run {}, n = {}", view.run, view.measured.len()), 0.5, 2.5)?;
+    let head = sheet::part(area, 0.0, 0.0, LEFT, 5.0);
+    sheet::title(&head, &format!("Run {}, n = {}", view.run, view.measured.len()), 0.5, 2.5)?;
     let (left, below, top) = (12.0, 9.5, 5.0);
     let side = LEFT - left - 8.0;
     let plot = sheet::part(area, 0.0, top, left + side, side + below);
