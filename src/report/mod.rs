@@ -1,5 +1,6 @@
 //! Results → files; computes nothing.
 
+pub mod accuracy;
 pub mod analysis_table;
 pub mod caption;
 pub mod check;
@@ -15,6 +16,7 @@ pub mod number;
 pub mod output;
 pub mod paper;
 pub mod raster;
+pub mod study_section;
 pub mod summary;
 mod sureness;
 pub mod table;

@@ -1,5 +1,6 @@
 //! Questions that need several layers at once.
 
+pub mod accuracy;
 mod as_measured;
 pub mod baseline;
 pub mod campaign;
@@ -7,10 +8,12 @@ pub mod check;
 pub mod comparison;
 pub mod further;
 pub mod desirable;
+pub mod drawn;
 pub mod fidelities;
 pub mod intervals;
 pub mod irregular;
 pub mod lack_of_fit;
+pub mod optimum;
 pub mod overview;
 pub mod paper;
 pub mod response;

@@ -1,6 +1,7 @@
 //! Results → vector figures (SVG). Drawing geometry only: every number that is shown was computed elsewhere.
 
 pub mod agreement;
+pub mod asked;
 pub mod cube;
 pub mod distance;
 pub mod fidelities;
@@ -22,6 +23,7 @@ pub mod sheet;
 pub mod space;
 pub mod symbols;
 pub mod uneven;
+pub mod work_precision;
 
 #[cfg(test)]
 mod tests;
