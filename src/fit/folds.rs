@@ -409,6 +409,9 @@ fn outcome(
         known: known.map(|known| if best.hem.q < 0.0 { known.turned() } else { known }),
     });
     let folded = best.folds != 0;
+    if !folded && MISFIT * seen.noise < rms {
+        notes.push("no fold count gave a sane curve nearer than the circle, which misses the outline by far more than its noise".into());
+    }
     if folded && let Some(first) = sure.missing.first() {
         notes.push(first.why.reason().into());
     }

@@ -16,6 +16,7 @@ pub mod number;
 pub mod output;
 pub mod paper;
 pub mod raster;
+pub mod stability;
 pub mod study_section;
 pub mod summary;
 mod sureness;

@@ -8,6 +8,7 @@ pub mod fidelities;
 pub mod folds;
 pub mod gap;
 pub mod half_normal;
+pub mod heat_map;
 pub mod hem;
 pub mod interactions;
 pub mod main_effects;

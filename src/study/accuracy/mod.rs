@@ -177,3 +177,27 @@ pub fn study(options: &Options, trace: &Trace, begun: &dyn Fn(&'static str, usiz
     }
     Ok(AccuracyStudy { options: Settings { depth: options.depth, seed: options.seed }, panels })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_beyond_what_was_asked_and_claimed_is_not_delivered() {
+        let row = |error: f64, claims: bool| Row {
+            method: "a".into(),
+            knob: "tolerance",
+            setting: 1.0,
+            asked: Some(Asked { error: 1e-3, measure: Measure::Rms, slack: 2.0, rounding: 1e-12 }),
+            error: Some(Apart { rms: error, max: 10.0 * error }),
+            seconds: 1.0,
+            evaluations: None,
+            termination: String::new(),
+            claims,
+            default: false,
+        };
+        assert_eq!((row(1.9e-3, true).delivered(), row(2.1e-3, true).delivered()), (Some(true), Some(false)));
+        // Who says that it did not get there has promised nothing.
+        assert_eq!(row(2.1e-3, false).delivered(), None);
+    }
+}

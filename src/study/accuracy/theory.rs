@@ -189,7 +189,7 @@ pub(super) fn graded(setup: &Setup) -> Result<Panel, Error> {
 }
 
 /// Widths of the search over fold counts: (patience, closeness).
-const WIDTHS: [(u32, f64); 7] = [(1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0), (2, 4.0), (4, 1.0), (4, 4.0)];
+const WIDTHS: [(u32, f64); 7] = [(1, 0.0), (1, 1.0), (2, 0.0), (2, 0.25), (2, 1.0), (4, 1.0), (4, 4.0)];
 
 /// Narrow and wide searches over fold counts, over scenes drawn at random; the errors of all scenes together.
 pub(super) fn search(setup: &Setup) -> Result<Panel, Error> {
