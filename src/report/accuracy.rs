@@ -11,6 +11,9 @@ use crate::study::accuracy::front::{Cost, default_excess, front};
 use crate::study::accuracy::{AccuracyStudy, Measure, Panel, Row};
 use crate::units::MILLIMETRE;
 
+/// Of a second.
+const MILLISECOND: f64 = 1e-3;
+
 /// The study as a section of a report.
 ///
 /// # Errors
@@ -171,7 +174,7 @@ fn sentences(study: &AccuracyStudy, machine: &Machine) -> Vec<String> {
                 row.method,
                 row.knob,
                 number::plain(row.setting),
-                number::significant(row.seconds / MILLIMETRE, 2)
+                number::significant(row.seconds / MILLISECOND, 2)
             ));
         }
     }

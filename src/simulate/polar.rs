@@ -253,7 +253,8 @@ impl Equation {
         0.0 < mid - half && mid + half - self.waist < self.slant && self.waist - mid + half < self.slant && 0.0 <= half
     }
 
-    /// The integrals at turning points mid ∓ half; nodes are doubled until they hold. `None` outside the reach of the slant.
+    /// The integrals at turning points mid ∓ half; nodes are doubled until they hold (`hemline study accuracy`: 32 would do for ordinary skirts, in a
+    /// third of the time, but near the onset and at the slant's end nobody knows beforehand). `None` outside the reach of the slant.
     fn state(&self, mid: f64, half: f64) -> Option<State> {
         if !self.within(mid, half) {
             return None;

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::sheet::{self, BLUE, Drawn, Frame, GREEN, GREY, INK, LABEL, ORANGE, SKY, SMALL, VERMILLION, line, steps};
+use super::sheet::{self, BLUE, Drawn, Frame, GREEN, GREY, INK, ORANGE, SKY, SMALL, VERMILLION, line, steps};
 use super::work_precision::{decades, power_of_ten, ticks};
 use crate::error::Error;
 use crate::study::accuracy::{Measure, Panel, Row};
@@ -39,7 +39,8 @@ pub fn draw(panels: &[Panel]) -> Result<String, Error> {
 }
 
 fn paint(area: &sheet::Area<'_>, rows: &[(&Row, f64, f64)]) -> Drawn {
-    let (x, y) = (decades(rows.iter().map(|r| r.1)), decades(rows.iter().map(|r| r.2)));
+    let half_a_decade = |(low, high): (f64, f64)| (low - 0.5, high + 0.5);
+    let (x, y) = (half_a_decade(decades(rows.iter().map(|r| r.1))), half_a_decade(decades(rows.iter().map(|r| r.2))));
     let plot = sheet::part(area, 0.0, 6.0, WIDTH - NAMES, HEIGHT - 7.0);
     let frame = Frame {
         x,
@@ -78,7 +79,7 @@ fn paint(area: &sheet::Area<'_>, rows: &[(&Row, f64, f64)]) -> Drawn {
     }
     let y = 9.0 + 4.6 * names.len() as f64 + 3.0;
     for (i, text) in ["open: the program says", "that it did not get there;", "line: error = asked × slack"].iter().enumerate() {
-        sheet::text_left(area, text, left - 1.0, y + 3.6 * i as f64, sheet::fitted(text, NAMES - 2.0, LABEL), GREY)?;
+        sheet::text_left(area, text, left - 1.0, y + 3.6 * i as f64, SMALL, GREY)?;
     }
     Ok(())
 }

@@ -105,7 +105,7 @@ fn body(
             let ink = if dark { WHITE } else { INK };
             area.draw(&Rectangle::new(corners, sheet::fill(fill)))?;
             if outcome == Outcome::Warned {
-                area.draw(&Circle::new((steps(x + 5.4), steps(y + 0.5 * h)), steps(0.6), sheet::fill(ink)))?;
+                area.draw(&Circle::new((steps(x + 5.7), steps(y + 0.5 * h)), steps(0.55), sheet::fill(ink)))?;
             }
             Ok(ink)
         }

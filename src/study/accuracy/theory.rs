@@ -230,7 +230,7 @@ pub(super) fn search(setup: &Setup) -> Result<Panel, Error> {
                 asked: None,
                 error: errors.and_then(|errors| Apart::together(&errors)),
                 seconds: seconds / scenes_of_it as f64,
-                evaluations: Some(hems.iter().map(|hem| hem.evaluations).sum()),
+                evaluations: Some(hems.iter().map(|hem| hem.evaluations).sum::<usize>() / scenes_of_it),
                 termination: format!("{other} of {scenes_of_it} scenes with another fold count"),
                 claims: other == 0,
                 default: method == "ruled" && width == (usual.patience, usual.closeness),

@@ -60,7 +60,7 @@ impl Answer {
 
 /// Decimal digits in common, from the relative error: at most 16, at least 0.
 pub fn digits(relative_error: f64) -> f64 {
-    if relative_error.is_nan() { 0.0 } else { (-relative_error.abs().max(1e-16).log10()).clamp(0.0, 16.0) }
+    if relative_error.is_nan() { 0.0 } else { (-relative_error.abs().max(1e-16).log10()).clamp(0.0, 16.0) + 0.0 }
 }
 
 /// What a case is about.
