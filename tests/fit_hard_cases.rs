@@ -5,27 +5,12 @@ use std::f64::consts::TAU;
 use hemline::experiment::campaign::Folds;
 use hemline::experiment::{DrapeProfile, Point};
 use hemline::fit::{self, HemFit, Options, Termination};
-use hemline::model::hem::{Hem, Placement};
+use hemline::model::hem::Hem;
+use hemline::study::drawn::{AT, HEM, noisy, normal};
+use hemline::study::hard_cases::fit::near_cusp;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-const AT: Placement = Placement { x0: 0.03, y0: -0.02, phase: 0.3 };
-const HEM: Hem = Hem { p: 0.2, q: 0.03, s: 0.008, folds: 8 };
-
-fn normal(generator: &mut ChaCha8Rng) -> f64 {
-    let (u, v): (f64, f64) = (generator.random(), generator.random());
-    (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
-}
-
-/// `n` points of a hem, even in t, with noise of standard deviation `noise` (m) in both coordinates.
-fn noisy(hem: &Hem, n: usize, noise: f64, seed: u64) -> Vec<Point> {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    hem.outline(&AT, n)
-        .into_iter()
-        .map(|p| Point::new(p.x + noise * normal(&mut generator), p.y + noise * normal(&mut generator)))
-        .collect()
-}
 
 fn fitted(points: &[Point], folds: Folds) -> Result<HemFit, String> {
     let profile = DrapeProfile::new(points).map_err(|e| e.to_string())?;
@@ -87,12 +72,12 @@ fn overhanging_folds_are_fitted_freely_and_right() {
 #[test]
 fn a_near_cusp_is_fitted_with_an_error_or_held_and_said() {
     // Speed at the valley: p − q + 2ms cos 2π = p − q − … nearly zero where 2ms = −(p − q) within 2 %.
-    let (p, q, m) = (0.2, 0.05, 6.0);
-    let s = -0.98 * (p - q) / (2.0 * m);
-    let hem = Hem { p, q, s, folds: 6 };
+    let outline = near_cusp(0.02, 5);
+    let Hem { p, q, s, .. } = outline.hem;
+    let hem = outline.hem;
     let slowest = (0..10_000).map(|i| hem.local(TAU * f64::from(i) / 10_000.0).speed()).fold(f64::MAX, f64::min);
     assert!(slowest < 0.03 * p, "{slowest}");
-    let fit = free(&noisy(&hem, 720, 2e-4, 5));
+    let fit = free(&outline.points);
     assert_eq!(fit.folds, Some(6));
     assert!((fit.hem.q - q).abs() < 0.01 * q && (fit.hem.s - s).abs() < 0.02 * s.abs(), "{:?} {:?}", fit.hem, fit.termination);
 }

@@ -1,28 +1,13 @@
 //! Designs and responses that break a naive analysis: what is said about each.
 
 use hemline::statistics::box_wilson::{Analysis, ErrorSource, Options, analyse};
-use hemline::statistics::factorial::{Axis, FactorialDesign};
+use hemline::statistics::factorial::FactorialDesign;
 use hemline::statistics::residuals::{suspects, without_suspects};
+use hemline::study::hard_cases::statistics::{axes, corners, noise};
 
 /// 2^k corners in standard order, each `replicates` times in turn.
 fn design(k: usize, replicates: usize) -> FactorialDesign {
     FactorialDesign::new(axes(k), corners(k, replicates)).unwrap()
-}
-
-fn axes(k: usize) -> Vec<Axis> {
-    ["a", "b", "c", "d", "e", "f"][..k].iter().map(|name| Axis::coded(*name)).collect()
-}
-
-fn corners(k: usize, replicates: usize) -> Vec<Vec<f64>> {
-    (0..replicates << k).map(|run| (0..k).map(|i| if run >> i & 1 == 1 { 1.0 } else { -1.0 }).collect()).collect()
-}
-
-/// A fixed irregular sequence within ±½: the finalizer of SplitMix64 (Steele, Lea & Flood 2014) applied to the run number.
-fn noise(run: usize) -> f64 {
-    let mut z = (run as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / 2f64.powi(53) - 0.5
 }
 
 fn run(design: &FactorialDesign, y: &[f64]) -> Analysis {

@@ -13,6 +13,7 @@ pub mod predict;
 pub mod regress;
 pub mod report;
 pub mod run;
+mod study;
 pub mod told;
 pub mod workbook;
 
@@ -57,6 +58,7 @@ enum Command {
     Import(import::Import),
     Paper(paper::Paper),
     Plot(plot::Plot),
+    Study(study::Study),
 }
 
 /// Parses the command line and runs it.
@@ -74,6 +76,7 @@ pub fn run() -> ExitCode {
         Command::Import(args) => import::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Study(args) => study::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

@@ -120,6 +120,7 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
             folds: args.folds,
             gravity: args.gravity_m_s2,
             tolerance: args.tolerance_mm.map(|t| Metre(t * units::MILLIMETRE)),
+            ..Options::default()
         },
     )
 }

@@ -1,5 +1,6 @@
 //! Results → files; computes nothing.
 
+pub mod accuracy;
 pub mod analysis_table;
 pub mod caption;
 pub mod check;
@@ -25,6 +26,8 @@ pub mod raster;
 mod scenes;
 pub mod section;
 mod spreadsheet;
+pub mod stability;
+pub mod study_section;
 pub mod summary;
 mod sureness;
 pub mod table;

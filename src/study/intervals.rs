@@ -28,7 +28,8 @@ impl Default for Options {
         Options {
             kind: Kind::Standard,
             level: 0.95,
-            // 25 of them lie beyond each end at 95 %: the end is right to a fifth of its distance in levels.
+            // 25 of them lie beyond each end at 95 %: the end is right to a fifth of its distance in levels. Chosen from `hemline study accuracy`: ends are
+            // then 0.01 mm off at 0.5 mm of noise, a tenth of the interval's half width.
             replicates: 1000,
             seed: 1,
         }

@@ -1,5 +1,6 @@
 //! Questions that need several layers at once.
 
+pub mod accuracy;
 mod as_measured;
 pub mod baseline;
 pub mod campaign;
@@ -8,11 +9,15 @@ pub mod comparison;
 pub mod further;
 pub mod desirable;
 pub mod draped;
+pub mod drawn;
 pub mod fidelities;
+pub mod hard_cases;
 pub mod intervals;
 pub mod irregular;
 pub mod lack_of_fit;
+pub mod optimum;
 pub mod overview;
 pub mod paper;
 pub mod part;
 pub mod response;
+pub mod stability;

@@ -85,7 +85,26 @@ enum Object {
 /// touches the border, or if the thing of known size is not found; [`Error::Invalid`] as [`Pictures::check`].
 pub fn outline(path: &Path, options: &Pictures) -> Result<Silhouette, Error> {
     options.check()?;
-    let opened = open::open(path)?;
+    traced(open::open(path)?, path, options)
+}
+
+/// The same of a picture in memory: `values` by rows, the top one first, from 0 (black) to 1 (white).
+///
+/// # Errors
+/// As [`outline`], the picture named `in memory`; [`Error::Unanswerable`] if there are no full rows.
+pub fn outline_of_pixels(width: usize, values: &[f32], options: &Pictures) -> Result<Silhouette, Error> {
+    options.check()?;
+    if width == 0 || values.is_empty() || !values.len().is_multiple_of(width) {
+        return Err(Error::Unanswerable(format!("{} pixels are no picture {width} pixels wide", values.len())));
+    }
+    let path = Path::new("in memory");
+    let size = [width, values.len() / width];
+    let source = Source { file: path.to_path_buf(), bytes: 0, digest: String::new() };
+    let grey = level::Grey { width: size[0], height: size[1], values: values.to_vec() };
+    traced(open::Opened { grey, averaged: 1, size, source, photograph: false, notes: Vec::new() }, path, options)
+}
+
+fn traced(opened: open::Opened, path: &Path, options: &Pictures) -> Result<Silhouette, Error> {
     let refuse = |problem: String, remedy: &str| Error::input(Place::file(path), problem, remedy);
     let object = match options.object {
         Shade::Dark => Object::Dark,

@@ -2,12 +2,14 @@
 
 pub mod agreement;
 pub mod contour;
+pub mod asked;
 pub mod cube;
 pub mod distance;
 pub mod fidelities;
 pub mod folds;
 pub mod gap;
 pub mod half_normal;
+pub mod heat_map;
 pub mod hem;
 pub mod interactions;
 pub mod lambda;
@@ -28,6 +30,7 @@ pub mod space;
 pub mod surface;
 pub mod symbols;
 pub mod uneven;
+pub mod work_precision;
 
 #[cfg(test)]
 mod tests;

@@ -1,0 +1,52 @@
+//! `hemline study accuracy`: what accuracy costs in time.
+
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::{Common, machine, next_part, tell};
+use crate::cli::progress;
+use crate::error::Error;
+use crate::experiment::Point;
+use crate::experiment::campaign::{PictureScale, Pictures};
+use crate::import::image;
+use crate::report;
+use crate::study::accuracy::picture::Picture;
+use crate::study::accuracy::{Depth, Options, study};
+
+/// Work and precision of everything that has a knob: fit, bootstrap, theory, tracing; what was asked against what was delivered.
+#[derive(Debug, Args)]
+pub struct Accuracy {
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Runs the study. Exit code 1 if an accuracy that was asked for and claimed was not delivered.
+///
+/// # Errors
+/// Those of [`study`], and [`Error::File`] if the folder cannot be written.
+pub fn run(args: &Accuracy) -> Result<ExitCode, Error> {
+    let options = Options { depth: depth(&args.common), seed: args.common.seed };
+    let bar = progress(0, "Accuracy");
+    let found = study(&options, &traced, &|name, count| next_part(&bar, name, count))?;
+    bar.finish_and_clear();
+    let machine = machine();
+    let section = report::accuracy::section(&found, &machine)?;
+    tell(&section, &report::accuracy::json(&found, &machine), &args.common)?;
+    let broken = found.panels.iter().flat_map(|panel| &panel.rows).any(|row| row.delivered() == Some(false));
+    Ok(if broken { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+pub(super) fn depth(common: &Common) -> Depth {
+    match (common.quick, common.full) {
+        (true, _) => Depth::Quick,
+        (_, true) => Depth::Full,
+        _ => Depth::Usual,
+    }
+}
+
+/// The outline in a picture of the study.
+pub fn traced(picture: &Picture) -> Result<Vec<Point>, Error> {
+    let found = image::outline_of_pixels(picture.side, &picture.values, &Pictures::of_scale(PictureScale::Pixel(picture.pixel)))?;
+    Ok(found.profile.points().to_vec())
+}

@@ -1,0 +1,96 @@
+//! `hemline study`: the three studies, each a subcommand.
+
+mod accuracy;
+mod stability;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+use indicatif::ProgressBar;
+
+use crate::error::Error;
+use crate::report::study_section::{Machine, StudySection, markdown, write};
+
+/// Study the program itself: what accuracy costs in time, and how far it can be trusted on hard cases.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  hemline study accuracy --out studies\n  hemline study stability --out studies --full")]
+pub struct Study {
+    #[command(subcommand)]
+    which: Which,
+}
+
+#[derive(Debug, Subcommand)]
+enum Which {
+    Accuracy(accuracy::Accuracy),
+    Stability(stability::Stability),
+}
+
+/// Runs the study that is named.
+///
+/// # Errors
+/// Those of the study, and [`Error::File`] if its files cannot be written.
+pub fn run(args: &Study) -> Result<ExitCode, Error> {
+    match &args.which {
+        Which::Accuracy(args) => accuracy::run(args),
+        Which::Stability(args) => stability::run(args),
+    }
+}
+
+/// What every study takes.
+#[derive(Debug, Args)]
+struct Common {
+    /// Folder for the tables (CSV), figures (SVG, PNG) and a page of text (.md); made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Look deeper: finer sweeps and more draws, minutes instead of one
+    #[arg(long)]
+    full: bool,
+    /// Seconds only: every question, few of its settings
+    #[arg(long, conflicts_with = "full")]
+    quick: bool,
+    /// Seed of everything that is drawn
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Print one JSON object (SI units) instead of words
+    #[arg(long)]
+    json: bool,
+}
+
+/// Writes the files where a folder is given, and prints the words or the JSON object.
+fn tell(section: &StudySection, json: &serde_json::Value, args: &Common) -> Result<(), Error> {
+    let written = args.out.as_deref().map(|folder: &Path| write(section, folder)).transpose()?;
+    if args.json {
+        return super::print(&format!("{json:#}\n"));
+    }
+    let mut text = match written {
+        // The page names its files; on a terminal they are only there if they were written.
+        Some(_) => String::new(),
+        None => markdown(&StudySection { figures: Vec::new(), ..section.clone() }),
+    };
+    if let Some(paths) = &written {
+        text = format!("{}\n\n{}\n\nWritten:\n", section.title, section.sentences.join("\n"));
+        paths.iter().for_each(|path| text.push_str(&format!("  {}\n", path.display())));
+    }
+    super::print(&text)
+}
+
+/// The processor and system, and the threads that the program may use.
+fn machine() -> Machine {
+    let cpu = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+        let line = text.lines().find(|line| line.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_string())
+    });
+    let name = format!("{}, {}", cpu.unwrap_or_else(|| std::env::consts::ARCH.into()), std::env::consts::OS);
+    Machine { name, threads: rayon::current_num_threads() }
+}
+
+/// Begins with the first part, and counts parts.
+fn next_part(bar: &ProgressBar, name: &str, count: usize) {
+    if bar.length() != Some(count as u64) {
+        bar.set_length(count as u64);
+    } else {
+        bar.inc(1);
+    }
+    bar.set_message(name.to_string());
+}

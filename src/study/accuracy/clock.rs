@@ -1,0 +1,30 @@
+//! How long a computation takes: the least of a few repeats after a warm-up. The only clock below the command line; no result depends on it.
+
+use std::time::{Duration, Instant};
+
+/// How often a computation is repeated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// Repeats after the warm-up, at most.
+    pub repeats: usize,
+    /// … and so long in all: what takes longer is timed once more at least, or not at all where there are no repeats.
+    pub patience: Duration,
+}
+
+impl Clock {
+    /// What `compute` returns, and its seconds.
+    pub fn time<T>(&self, compute: impl Fn() -> T) -> (T, f64) {
+        let begun = Instant::now();
+        let result = compute();
+        let mut least = begun.elapsed();
+        for _ in 0..self.repeats {
+            if self.patience < begun.elapsed() {
+                break;
+            }
+            let again = Instant::now();
+            std::hint::black_box(compute());
+            least = least.min(again.elapsed());
+        }
+        (result, least.as_secs_f64())
+    }
+}

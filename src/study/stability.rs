@@ -1,0 +1,101 @@
+//! How far the program can be trusted: the catalogue of hard cases, each at growing severity up to breakdown.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::accuracy::{Depth, Options, Settings};
+use super::hard_cases::{Answer, Case, Outcome, SEVERITIES, Subject, catalogue};
+
+/// A case at one severity: the worst of its draws.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    pub severity: f64,
+    /// The worst outcome of all draws, and what was said there.
+    pub outcome: Outcome,
+    pub said: String,
+    /// The fewest digits kept.
+    pub digits: Option<f64>,
+    /// The most that was promised of any draw.
+    pub promised: Option<f64>,
+    /// The largest.
+    pub condition: Option<f64>,
+    /// Of all draws.
+    pub evaluations: Option<usize>,
+    pub draws: usize,
+}
+
+/// A row of the heat map.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaseStudy {
+    pub subject: Subject,
+    pub name: &'static str,
+    pub title: &'static str,
+    pub reference: &'static str,
+    pub cells: Vec<Cell>,
+}
+
+/// The whole study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StabilityStudy {
+    pub options: Settings,
+    pub cases: Vec<CaseStudy>,
+}
+
+impl StabilityStudy {
+    /// Every cell that was wrong without saying, with its case.
+    pub fn wrong(&self) -> impl Iterator<Item = (&CaseStudy, &Cell)> {
+        let cells = self.cases.iter().flat_map(|case| case.cells.iter().map(move |cell| (case, cell)));
+        cells.filter(|(_, cell)| cell.outcome == Outcome::Wrong)
+    }
+}
+
+/// How many cells a study has.
+pub fn cell_count() -> usize {
+    catalogue().len() * SEVERITIES
+}
+
+/// Runs the catalogue on all cores; `done` is called once for each cell. The result depends on depth and seed alone.
+pub fn study(options: &Options, done: &(dyn Fn() + Sync)) -> StabilityStudy {
+    let draws = match options.depth {
+        Depth::Quick => 1,
+        Depth::Usual => 3,
+        Depth::Full => 30,
+    };
+    let cases = catalogue();
+    let cells: Vec<Cell> = (0..cases.len() * SEVERITIES)
+        .into_par_iter()
+        .map(|i| {
+            let (case, severity) = (&cases[i / SEVERITIES], cases[i / SEVERITIES].severities[i % SEVERITIES]);
+            // Only outlines are drawn.
+            let draws = if case.subject == Subject::Fit { draws } else { 1 };
+            let cell = cell(case, severity, draws, options.seed);
+            done();
+            cell
+        })
+        .collect();
+    let cases = cases.iter().zip(cells.chunks(SEVERITIES)).map(|(case, cells)| CaseStudy {
+        subject: case.subject,
+        name: case.name,
+        title: case.title,
+        reference: case.reference,
+        cells: cells.to_vec(),
+    });
+    StabilityStudy { options: Settings { depth: options.depth, seed: options.seed }, cases: cases.collect() }
+}
+
+fn cell(case: &Case, severity: f64, draws: u64, seed: u64) -> Cell {
+    let answers: Vec<Answer> = (0..draws).map(|k| (case.run)(severity, seed.wrapping_mul(1000).wrapping_add(k))).collect();
+    let worst = answers.iter().fold(&answers[0], |worst, answer| if worst.outcome < answer.outcome { answer } else { worst });
+    let least = |pick: fn(&Answer) -> Option<f64>| answers.iter().filter_map(pick).reduce(f64::min);
+    let most = |pick: fn(&Answer) -> Option<f64>| answers.iter().filter_map(pick).reduce(f64::max);
+    Cell {
+        severity,
+        outcome: worst.outcome,
+        said: worst.said.clone(),
+        digits: least(|a| a.digits),
+        promised: most(|a| a.promised),
+        condition: most(|a| a.condition),
+        evaluations: answers.iter().map(|a| a.evaluations).sum(),
+        draws: draws as usize,
+    }
+}
