@@ -87,6 +87,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         bias_correction: file.bias_correction,
         gravity: file.gravity,
         foundation_modulus: file.foundation_modulus,
+        hanging: file.hanging,
         pictures: file.pictures,
         meshes: file.meshes,
         check: file.check,
