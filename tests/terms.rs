@@ -262,7 +262,9 @@ fn cloth_never_goes_through_a_body_or_another_fold() {
                 body.shape, body.hip_radius, hung.folds, hung.termination, hung.notes
             );
             assert!(contact.smallest_gap.is_some_and(|gap| 0.0 < gap));
-            assert!(0.0 < hung.energy_of("body_contact").unwrap() && 0.0 < contact.stiffness);
+            // Where the wall is felt it costs, and nowhere else; the gap is seen on a finer grid than the energy.
+            let (energy, gap) = (hung.energy_of("body_contact").unwrap(), contact.smallest_gap.unwrap());
+            assert!(if gap < 0.9 * contact.reach { 0.0 < energy } else { energy < 1e-6 * hung.energy } && 0.0 < contact.stiffness);
             // The hem itself, wherever it is looked at: it hangs lower than the hips, outside a cylinder all the same.
             if body.shape == BodyShape::Cylinder {
                 assert!(hung.outline.iter().all(|p| body.hip_radius.0 < p.x.hypot(p.y)), "{}", hung.hem_radius_min);
@@ -387,7 +389,7 @@ fn drawn(seed: u64) -> (Scene, Fidelity) {
 #[test]
 fn a_screened_out_term_moves_the_hem_by_less_than_the_tolerance() {
     // The whole sweep: HEMLINE_SCENES=500 cargo test --release --test terms screened -- --nocapture
-    let scenes: u64 = std::env::var("HEMLINE_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(24);
+    let scenes: u64 = std::env::var("HEMLINE_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(16);
     let told: Vec<(u64, Vec<String>, [usize; 4], usize)> = (0..scenes)
         .into_par_iter()
         .map(|seed| {
@@ -429,4 +431,134 @@ fn a_screened_out_term_moves_the_hem_by_less_than_the_tolerance() {
     assert_eq!(sum[1], 0);
     // Refusals are bodies that do not fit, not a way out of the question.
     assert!(refused * 4 < scenes as usize && 0 < sum[0] && 0 < sum[2]);
+}
+
+/// `docs/scene.toml` with some text replaced, read.
+fn reread(from: &str, to: &str) -> Result<Scene, String> {
+    let shown = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scene.toml")).unwrap();
+    assert!(shown.contains(from), "{from}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, shown.replacen(from, to, 1)).unwrap();
+    hemline::import::scene_file::read(&path).map_err(|e| e.to_string())
+}
+
+#[test]
+fn the_scene_that_the_documentation_shows_is_read_in_si_units() {
+    let scene = reread("title", "title").unwrap();
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    near(scene.skirt.waist_radius().0, 0.76 / std::f64::consts::TAU);
+    near(scene.skirt.hem_radius().0, 0.2362);
+    near(scene.fabric.flexural_rigidity.unwrap().0, 1e-5);
+    near(scene.detail.shear_stiffness.unwrap(), 0.05);
+    near(scene.detail.thickness.unwrap().0, 4e-4);
+    near(scene.body.unwrap().hip_radius.0, 0.94 / std::f64::consts::TAU);
+    near(scene.tolerance.unwrap().0, 1e-3);
+    assert_eq!((scene.choice, scene.theory, scene.folds, scene.seams), (Choice::Auto, Theory::Ruled, None, 0));
+    // The cone that follows from hips is that of the paper's Table 1.
+    let cut = reread("hem_radius_cm = 23.62", "hip_girth_cm = 104\nwaist_to_hip_cm = 20").unwrap().skirt;
+    assert!((cut.hem_radius().0 - 0.2362).abs() < 1e-4);
+    let listed = reread("terms = \"auto\"", "terms = [\"bending\", \"gravity\", \"shear\"]").unwrap();
+    assert_eq!(listed.choice, with(&[Term::Shear]));
+    let tester = "apparatus = \"drapemeter\"\nsupport_radius_cm = 9\nspecimen_radius_cm = 15 #";
+    let shown = reread("apparatus = \"skirt\"               # optional; \"drapemeter\"", tester).unwrap_err();
+    assert!(shown.contains("unknown key “hem_radius_cm” in [skirt]"), "{shown}");
+}
+
+#[test]
+fn a_fault_in_a_scene_names_its_row_its_key_its_value_and_what_would_be_right() {
+    for (from, to, said) in [
+        ("areal_density_g_m2 = 200", "areal_density_g_m2 = -200", ["row 13", "“areal_density_g_m2” is -200", "positive"]),
+        (
+            "areal_density_g_m2 = 200",
+            "areal_density_gm2 = 200",
+            ["row 13", "unknown key “areal_density_gm2”", "did you mean “areal_density_g_m2”"],
+        ),
+        ("areal_density_g_m2 = 200", "", ["[cloth] has no areal_density_g_m2", "add", "no hem"]),
+        ("shape = \"cone\"", "shape = \"cube\"", ["“shape” is “cube”", "cone", "ellipsoid"]),
+        ("hip_girth_cm = 94", "hip_girth_cm = \"wide\"", ["“hip_girth_cm” is “wide”", "number", "positive"]),
+        ("hip_girth_cm = 94", "hip_girth_cm = 94\nhip_radius_cm = 15", ["[body]", "radius and girth of the hip", "keep one"]),
+        ("terms = \"auto\"", "terms = [\"gravity\", \"wind\"]", ["unknown term “wind”", "body_contact", "auto"]),
+        ("terms = \"auto\"", "terms = []", ["there are no terms", "known are", "auto"]),
+        ("fidelity = \"ruled\"", "fidelity = \"rulde\"", ["“fidelity” is “rulde”", "did you mean “ruled”", "polar"]),
+        ("tolerance_mm = 1 ", "tolerance_mm = 0 ", ["“tolerance_mm” is 0", "it must be", "positive"]),
+        ("folds = \"auto\"", "folds = 1.5", ["“folds” is 1.5", "whole number", "2 to 512"]),
+        ("hem_radius_cm = 23.62", "hem_radius_cm = 10", ["no cone", "hem radius", ">= the waist radius"]),
+        ("seams = 0", "seams = 0.5", ["“seams” is 0.5", "whole number", "0 or more"]),
+        ("[theory]", "[theories]", ["unknown key “theories”", "did you mean “theory”", "skirt"]),
+        ("waist_girth_cm = 76", "waist_girth_cm = 76\nwaist_girth_mm = 760", ["says again", "waist_girth", "keep one"]),
+    ] {
+        let fault = reread(from, to).unwrap_err();
+        assert!(said.iter().all(|said| fault.contains(said)), "{to}: {fault}");
+    }
+}
+
+fn hemline(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hemline")).args(arguments).output().unwrap();
+    (output.status.code(), String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn predict_takes_a_scene_and_terms_and_shows_why_which_are_in() {
+    let shown = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scene.toml");
+    let (code, text, fault) = hemline(&["predict", "--scene", shown, "--tolerance-mm", "2", "--folds", "8"]);
+    assert_eq!(code, Some(0), "{fault}");
+    for term in Term::ALL {
+        assert!(text.contains(term.name()), "{text}");
+    }
+    assert!(text.contains("terms that would move the hem by more than 2 mm are in"), "{text}");
+    let (_, text, _) = hemline(&["predict", "--scene", shown, "--tolerance-mm", "2", "--folds", "8", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let rows = json["screening"]["terms"].as_array().unwrap();
+    assert_eq!(rows.len(), 7);
+    assert!(rows.iter().any(|row| row["term"] == "body_contact" && row["on"] == true && row["why"].is_string()));
+    assert!(
+        0.0 < json["contacts"][0]["smallest_gap_m"].as_f64().unwrap() && 0 < json["term_evaluations"]["body_contact"].as_u64().unwrap()
+    );
+    assert!(json["term_evaluations"].get("stretch").is_none());
+    // From flags, without a file.
+    let flags =
+        "predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --folds 5";
+    let flags: Vec<&str> = flags.split(' ').collect();
+    let (code, text, fault) = hemline(&[&flags[..], &["--shear-n-m", "0.05", "--terms", "gravity,bending,shear", "--json"]].concat());
+    assert_eq!(code, Some(0), "{fault}");
+    assert!(0.0 < serde_json::from_str::<serde_json::Value>(&text).unwrap()["shear_j"].as_f64().unwrap());
+    let (code, _, fault) = hemline(&[&flags[..], &["--terms", "gravity,magic"]].concat());
+    assert!(code == Some(2) && fault.contains("unknown term “magic”"), "{fault}");
+    let (code, _, fault) = hemline(&["predict", "--scene", shown, "--waist-radius-cm", "12"]);
+    assert!(code == Some(2) && fault.contains("cannot be used with"), "{fault}");
+}
+
+#[test]
+fn a_campaign_has_the_same_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    for entry in std::fs::read_dir(&data).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_file()) {
+        std::fs::copy(&entry, folder.path().join(entry.file_name().unwrap())).unwrap();
+    }
+    let toml = std::fs::read_to_string(data.join("campaign.toml")).unwrap();
+    let profiles = data.join("profiles");
+    if profiles.is_dir() {
+        std::fs::create_dir(folder.path().join("profiles")).unwrap();
+        for entry in std::fs::read_dir(&profiles).unwrap().map(|e| e.unwrap().path()) {
+            std::fs::copy(&entry, folder.path().join("profiles").join(entry.file_name().unwrap())).unwrap();
+        }
+    }
+    let more = toml.replacen(
+        "[cloth]",
+        "[body]\nshape = \"cylinder\"\nhip_radius_cm = 8\n\n[theory]\nterms = \"auto\"\n\n[cloth]\nshear_stiffness_n_m = 0.5",
+        1,
+    );
+    let load = |text: &str| {
+        std::fs::write(folder.path().join("campaign.toml"), text).unwrap();
+        hemline::import::load(folder.path()).map(|imported| imported.campaign.hanging).map_err(|e| e.to_string())
+    };
+    assert_eq!(load(&toml).unwrap(), None);
+    let hanging = load(&more).unwrap().unwrap();
+    assert_eq!((hanging.choice, hanging.detail.shear_stiffness), (Choice::Auto, Some(0.5)));
+    assert_eq!(hanging.body.map(|b| b.shape), Some(BodyShape::Cylinder));
+    let fault = load(&more.replace("hip_radius_cm = 8", "hip_radius_cm = 0")).unwrap_err();
+    assert!(fault.contains("“hip_radius_cm” is 0") && fault.contains("positive"), "{fault}");
+    let fault = load(&more.replace("terms = \"auto\"", "folds = 5")).unwrap_err();
+    assert!(fault.contains("[analysis]"), "{fault}");
 }

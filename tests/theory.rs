@@ -18,7 +18,7 @@ fn fabric(density: f64, rigidity: f64) -> Fabric {
 }
 
 fn ruled(hem: f64, rigidity: f64, folds: Folds, harmonics: usize) -> Prediction {
-    let options = Options { fidelity: Fidelity::Ruled { harmonics }, folds, gravity: 9.81, tolerance: None };
+    let options = Options { fidelity: Fidelity::Ruled { harmonics }, folds, gravity: 9.81, ..Options::default() };
     predict(&skirt(hem), &fabric(0.2, rigidity), &options).unwrap()
 }
 
@@ -81,7 +81,7 @@ fn polar_equation_agrees_with_the_reference_to_ten_digits() {
         (5, 0.1452, 20.0, 0.1072242665, 0.1472099957, 0.1473757200, -0.0135532307),
         (8, 0.2362, 0.0, 0.0922562759, 0.1602755902, 0.0195351195, -0.0002718587),
     ] {
-        let options = Options { fidelity: Fidelity::Polar { foundation }, folds: Folds::Exactly(m), gravity: 9.81, tolerance: None };
+        let options = Options { fidelity: Fidelity::Polar { foundation }, folds: Folds::Exactly(m), gravity: 9.81, ..Options::default() };
         let solution = predict(&skirt(hem), &fabric(0.2, 1e-5), &options).unwrap();
         let turning = solution.turning.unwrap();
         // Half a unit of the last digit there.
@@ -105,7 +105,7 @@ fn polar_folds_start_at_the_onset_and_end_at_the_limit() {
         close(range.onset, 0.121 * square / (square - 1.0), 2e-5 * 0.121, "onset");
         let at = |hem: f64| {
             let options =
-                Options { fidelity: Fidelity::Polar { foundation: 0.0 }, folds: Folds::Exactly(m), gravity: 9.81, tolerance: None };
+                Options { fidelity: Fidelity::Polar { foundation: 0.0 }, folds: Folds::Exactly(m), gravity: 9.81, ..Options::default() };
             predict(&skirt(hem), &fabric(0.2, 1e-5), &options).unwrap()
         };
         assert_eq!(at(range.onset * (1.0 - 1e-6)).termination, Termination::Round);
@@ -135,7 +135,7 @@ fn ansatz_agrees_with_the_reference_to_seven_digits() {
         (5, 1e-5, 0.13152467, 0.05267570, 0.00873147, 0.0019692184, 0.0021919849),
         (7, 2e-6, 0.12459092, 0.03867800, 0.00632280, 0.00089491739, 0.0009489347),
     ] {
-        let options = Options { fidelity: Fidelity::Ansatz, folds: Folds::Exactly(m), gravity: 9.81, tolerance: None };
+        let options = Options { fidelity: Fidelity::Ansatz, folds: Folds::Exactly(m), gravity: 9.81, ..Options::default() };
         let solution = predict(&skirt(0.2362), &fabric(0.2, rigidity), &options).unwrap();
         let hem = solution.hem.unwrap();
         assert_eq!((solution.folds, solution.termination), (m, Termination::Converged));
@@ -183,7 +183,7 @@ fn distance(a: &Prediction, b: &Prediction) -> f64 {
 }
 
 fn graded(hem: f64, rigidity: f64, folds: Folds, harmonics: usize, modes: usize) -> Prediction {
-    let options = Options { fidelity: Fidelity::Graded { harmonics, modes, shear: 0.0 }, folds, gravity: 9.81, tolerance: None };
+    let options = Options { fidelity: Fidelity::Graded { harmonics, modes, shear: 0.0 }, folds, gravity: 9.81, ..Options::default() };
     predict(&skirt(hem), &fabric(0.2, rigidity), &options).unwrap()
 }
 

@@ -17,7 +17,7 @@ fn fabric(density: f64, rigidity: f64) -> Fabric {
 }
 
 fn ruled(hem: f64, rigidity: f64, folds: Folds, harmonics: usize) -> Prediction {
-    let options = Options { fidelity: Fidelity::Ruled { harmonics }, folds, gravity: 9.81, tolerance: None };
+    let options = Options { fidelity: Fidelity::Ruled { harmonics }, folds, gravity: 9.81, ..Options::default() };
     predict(&skirt(hem), &fabric(0.2, rigidity), &options).unwrap()
 }
 

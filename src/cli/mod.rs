@@ -11,6 +11,7 @@ mod pictures;
 pub mod predict;
 pub mod regress;
 pub mod run;
+pub mod study_terms;
 pub mod told;
 pub mod workbook;
 

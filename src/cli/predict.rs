@@ -117,6 +117,7 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
         folds: args.folds.unwrap_or(Folds::Auto),
         gravity: args.gravity_m_s2.unwrap_or(units::STANDARD_GRAVITY),
         tolerance,
+        ..Options::default()
     };
     predict(&skirt(args)?, &fabric(args), &options)
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Branch, Cloth, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
+use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::model::ansatz::AnsatzShell;
@@ -20,7 +20,7 @@ const STARTS: [f64; 3] = [2.0, 1.0, 0.3];
 const LEAN: f64 = 0.16;
 
 /// The paper's curve of least ruled energy, and of least energy over fold counts if they are free.
-pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Prediction, Error> {
+pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, effort: &Effort) -> Result<Prediction, Error> {
     ruled::refuse_disc(skirt)?;
     let shell = AnsatzShell::new(skirt, cloth.weight(), cloth.rigidity());
     let mut search = Search { skirt, shell, weight: cloth.weight(), evaluations: 0 };
@@ -30,14 +30,14 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
         Folds::Exactly(m) => states.push(search.solve(m, &round)),
         Folds::Auto => {
             // The tangent-angle family with one harmonic knows the neighbourhood at a fraction of the cost.
-            let rough = ruled::predict(skirt, cloth, folds, 1)?;
+            let rough = ruled::predict(skirt, cloth, folds, 1, &Effort::default())?;
             search.evaluations += rough.evaluations;
             let from = rough.folds.max(2);
             states.push(search.solve(from, &round));
             let least = |states: &[State]| states.iter().map(|s| s.energy).fold(f64::INFINITY, f64::min);
             for direction in [-1_i64, 1] {
-                let (mut m, mut failures) = (i64::from(from) + direction, 0);
-                while 2 <= m && m <= i64::from(ruled::MOST_FOLDS) && failures < 2 && rough.folds != 0 {
+                let (mut m, mut failures) = (i64::from(from) + direction, 0_u32);
+                while 2 <= m && m <= i64::from(ruled::MOST_FOLDS) && failures < effort.patience && rough.folds != 0 {
                     let state = search.solve(m as u32, &round);
                     failures = if state.energy < least(&states) { 0 } else { failures + 1 };
                     states.push(state);
@@ -85,12 +85,12 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
 /// As [`super::predict`]; [`Error::Unanswerable`] if the skirt hangs round.
 pub fn least(skirt: &Skirt, cloth: &Cloth) -> Result<Hem, Error> {
     let round = || Error::Unanswerable("the skirt hangs round: the paper's curve has no folds to show".into());
-    predict(skirt, cloth, Folds::Auto)?.hem.filter(|hem| hem.folds != 0).ok_or_else(round)
+    predict(skirt, cloth, Folds::Auto, &Effort::default())?.hem.filter(|hem| hem.folds != 0).ok_or_else(round)
 }
 
 /// p, q, s of least ruled energy at `folds` folds; `None` where there is no such curve.
 pub fn at(skirt: &Skirt, cloth: &Cloth, folds: u32) -> Option<Hem> {
-    predict(skirt, cloth, Folds::Exactly(folds)).ok()?.hem.filter(|hem| hem.folds == folds)
+    predict(skirt, cloth, Folds::Exactly(folds), &Effort::default()).ok()?.hem.filter(|hem| hem.folds == folds)
 }
 
 /// A Ritz solution of the paper's own functional (10) under the paper's constraint.

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DVector, SymmetricEigen};
 
 use super::hanging::{contacts, energies};
-use super::{Branch, Cloth, Folds, Multiplier, Prediction, Termination, ruled};
+use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::Skirt;
 use crate::model::energy::shear::Shear;
@@ -41,13 +41,20 @@ const QUADRATURE_AT_WALLS: f64 = 1e-4;
 const AT_WALLS: (usize, usize) = (32, 28);
 
 /// The hem of least energy over harmonics × modes unknowns, and over fold counts if they are free.
-pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usize, modes: usize, shear: f64) -> Result<Prediction, Error> {
+pub(super) fn predict(
+    skirt: &Skirt,
+    cloth: &Cloth,
+    folds: Folds,
+    size: (usize, usize),
+    shear: f64,
+    effort: &Effort,
+) -> Result<Prediction, Error> {
     if !(shear.is_finite() && 0.0 <= shear) {
         return Err(Error::Invalid { quantity: "shear stiffness, N/m", value: shear, allowed: ">= 0" });
     }
     let shear = (0.0 < shear).then(|| Shear::new(shear));
     let terms = Terms { shear, ..Terms::usual(cloth.weight(), cloth.rigidity()) };
-    hang(skirt, cloth, &terms, folds, harmonics, modes).map(|hung| hung.prediction)
+    hang(skirt, cloth, &terms, folds, size, effort).map(|hung| hung.prediction)
 }
 
 /// A prediction with the shape that it comes from.
@@ -58,7 +65,14 @@ pub(super) struct Hung {
 }
 
 /// The same under any set of terms.
-pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, harmonics: usize, modes: usize) -> Result<Hung, Error> {
+pub(super) fn hang(
+    skirt: &Skirt,
+    cloth: &Cloth,
+    terms: &Terms,
+    folds: Folds,
+    (harmonics, modes): (usize, usize),
+    effort: &Effort,
+) -> Result<Hung, Error> {
     if !(1..=MOST.0).contains(&harmonics) {
         return Err(Error::Invalid { quantity: "harmonics", value: harmonics as f64, allowed: "1 to 12 for the graded shell" });
     }
@@ -66,12 +80,13 @@ pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, ha
         return Err(Error::Invalid { quantity: "height modes", value: modes as f64, allowed: "2 to 24" });
     }
     ruled::refuse_disc(skirt)?;
-    let mut search = Search { skirt, cloth, terms, evaluations: 0, counts: [0; 7] };
+    let mut search = Search { skirt, cloth, terms, effort: *effort, evaluations: 0, counts: [0; 7] };
     let (shell, at_cone) = search.cone()?;
     let cone = shell.ledger(&at_cone).ok_or_else(no_cone)?;
     let round = cone.total();
     // Sixteen intervals resolve three harmonics of folds as deep as cloth makes them; the layer below the waist asks for the slices.
-    let full = search.size((harmonics, modes, 16.max(6 * harmonics), 20.max(2 * modes + 8)));
+    let (half, slices) = effort.sizes(16.max(6 * harmonics), 20.max(2 * modes + 8));
+    let full = search.size((harmonics, modes, half, slices));
     let mut notes = Vec::new();
     let (mut best, mut tried) = match folds {
         Folds::Exactly(m) => {
@@ -91,7 +106,7 @@ pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, ha
     {
         notes.push(format!("the round cone is stable against {m} folds: the cloth is too stiff for them"));
     }
-    if best.branch.folds != 0 && !search.verify(&mut best, full) {
+    if best.branch.folds != 0 && !effort.fixed() && !search.verify(&mut best, full) {
         notes.push(if search.walls() {
             "contact is sharper than the grid: the energy is not resolved to four digits".into()
         } else {
@@ -187,6 +202,7 @@ struct Search<'a> {
     skirt: &'a Skirt,
     cloth: &'a Cloth,
     terms: &'a Terms,
+    effort: Effort,
     evaluations: usize,
     /// Of each term.
     counts: [usize; 7],
@@ -306,9 +322,10 @@ impl Search<'_> {
         let mut walked = vec![self.solve(from, coarse, None, round)];
         let mut least = walked[0].branch.energy;
         for direction in [1_i64, -1] {
-            let (mut m, mut failures) = (i64::from(from) + direction, 0);
+            let (mut m, mut failures) = (i64::from(from) + direction, 0_u32);
             // A term that resists folds can leave only few of them, far from where the ruled shell has its minimum.
-            let patience = |least: f64| if direction < 0 && self.terms.beyond_usual() && round <= least { usize::MAX } else { 2 };
+            let (usual, down) = (self.effort.patience, direction < 0 && self.terms.beyond_usual());
+            let patience = |least: f64| if down && round <= least { u32::MAX } else { usual };
             while 2 <= m && m <= i64::from(ruled::MOST_FOLDS) && failures < patience(least) {
                 let state = self.solve(m as u32, coarse, None, round);
                 if state.branch.folds != 0 && state.branch.energy < least {
@@ -323,7 +340,7 @@ impl Search<'_> {
         let mut tried: Vec<Branch> = Vec::new();
         let mut best: Option<State> = None;
         for start in &walked {
-            let close = start.branch.folds != 0 && start.branch.energy <= least * (1.0 + CLOSE);
+            let close = start.branch.folds != 0 && start.branch.energy <= least * (1.0 + self.effort.closeness * CLOSE);
             if !close {
                 tried.push(start.branch.clone());
                 continue;
@@ -347,7 +364,7 @@ impl Search<'_> {
         let terms = Terms { stretch: None, body: None, folds: None, ..*self.terms };
         // What the graded sweep alone has, the walk has always found from the shell of weight and rigidity.
         let usual = Terms { shear: None, ..terms };
-        Ok(ruled::hang(self.skirt, self.cloth, &usual, Folds::Auto, 1)?.prediction)
+        Ok(ruled::hang(self.skirt, self.cloth, &usual, Folds::Auto, 1, &Effort::default())?.prediction)
     }
 
     /// Doubles the nodes until the energy holds; whether it did.

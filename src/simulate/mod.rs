@@ -1,6 +1,7 @@
 //! Forward: skirt + fabric + terms → predicted hem. Nothing here is fitted.
 
 pub mod ansatz;
+mod effort;
 pub mod graded;
 mod hanging;
 mod movement;
@@ -13,6 +14,7 @@ mod tolerance;
 
 use serde::Serialize;
 
+pub use effort::Effort;
 pub use polar::Turning;
 pub use scene::{predict_scene, screen_scene};
 pub use screen::{Screened, Screening};
@@ -64,6 +66,7 @@ pub struct Options {
     pub gravity: f64,
     /// Distance to which the hem must be resolved: harmonics and modes are then chosen, whatever the fidelity names.
     pub tolerance: Option<Metre>,
+    pub effort: Effort,
 }
 
 impl Default for Options {
@@ -74,6 +77,7 @@ impl Default for Options {
             folds: Folds::Auto,
             gravity: STANDARD_GRAVITY,
             tolerance: None,
+            effort: Effort::default(),
         }
     }
 }
@@ -226,10 +230,12 @@ fn predict_once(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Pre
         return Err(Error::Invalid { quantity: "fold count", value: f64::from(folds), allowed: "2 to 512" });
     }
     let mut prediction = match options.fidelity {
-        Fidelity::Ruled { harmonics } => ruled::predict(skirt, &cloth, options.folds, harmonics),
-        Fidelity::Graded { harmonics, modes, shear } => graded::predict(skirt, &cloth, options.folds, harmonics, modes, shear),
-        Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds),
-        Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds),
+        Fidelity::Ruled { harmonics } => ruled::predict(skirt, &cloth, options.folds, harmonics, &options.effort),
+        Fidelity::Graded { harmonics, modes, shear } => {
+            graded::predict(skirt, &cloth, options.folds, (harmonics, modes), shear, &options.effort)
+        }
+        Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds, &options.effort),
+        Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds, &options.effort),
     }?;
     project(&mut prediction);
     Ok(prediction)

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
 
-use super::{Branch, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
+use super::{Branch, Effort, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::numerics::jet::Jet;
@@ -37,7 +37,7 @@ pub struct Range {
 }
 
 /// A prediction from equation (4) at a given fold count; round below the onset, overhanging (outside the paper) past the limit.
-pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds) -> Result<Prediction, Error> {
+pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds, effort: &Effort) -> Result<Prediction, Error> {
     let Folds::Exactly(m) = folds else {
         return Err(Error::Unanswerable(
             "equation (4) has no bending energy: ever finer folds cost ever less, so it cannot choose the fold count; give one (--folds M)"
@@ -47,7 +47,7 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
     if !(foundation.is_finite() && 0.0 <= foundation) {
         return Err(Error::Invalid { quantity: "foundation modulus, N/m³", value: foundation, allowed: ">= 0" });
     }
-    let equation = Equation::new(skirt, weight, foundation, m);
+    let equation = Equation { nodes: effort.nodes, ..Equation::new(skirt, weight, foundation, m) };
     let hem = skirt.hem_radius().0;
     let mut notes = vec![
         "equation (4) has no bending and lets every ring but the hem be any length: the fold count is as given, not predicted".to_string(),
@@ -160,6 +160,8 @@ struct Equation {
     weight: f64,
     foundation: f64,
     folds: f64,
+    /// Nodes of the integrals; `None`: doubled until they hold.
+    nodes: Option<usize>,
 }
 
 /// The integrals of equation (4) at one pair of turning points.
@@ -194,7 +196,7 @@ struct Local<const N: usize> {
 
 impl Equation {
     fn new(skirt: &Skirt, weight: f64, foundation: f64, folds: u32) -> Self {
-        Equation { waist: skirt.waist_radius().0, slant: skirt.slant_length().0, weight, foundation, folds: f64::from(folds) }
+        Equation { waist: skirt.waist_radius().0, slant: skirt.slant_length().0, weight, foundation, folds: f64::from(folds), nodes: None }
     }
 
     /// G, N/m.
@@ -262,7 +264,7 @@ impl Equation {
         }
         let (m, h) = (Jet::variable(mid, 0), Jet::variable(half, 1));
         let (lambda, constant) = self.multipliers(m, h);
-        let mut nodes = 16;
+        let mut nodes = self.nodes.map_or(16, |nodes| nodes.max(2));
         let mut last: Option<State> = None;
         loop {
             let (mut angle, mut length, mut functional) = (Jet::constant(0.0), Jet::constant(0.0), 0.0);
@@ -282,7 +284,7 @@ impl Equation {
                 (l.angle.value - angle.value).abs() <= 1e-14 * angle.value.abs()
                     && (l.length.value - length.value).abs() <= 1e-14 * length.value
             });
-            if still || 4096 <= nodes {
+            if still || self.nodes.is_some() || 4096 <= nodes {
                 return Some(state);
             }
             (last, nodes) = (Some(state), 2 * nodes);
@@ -374,20 +376,20 @@ impl Equation {
 
     /// `n` points equally spaced in length, the first on a crest on the x axis, m.
     fn outline(&self, state: &State, n: usize) -> Vec<Point> {
-        const MODES: usize = 256;
+        let modes = self.nodes.map_or(256, |nodes| nodes.max(2));
         let (mid, half) = (Jet::<0>::constant(state.mid), Jet::constant(state.half));
         let (lambda, constant) = (Jet::constant(state.lambda.value), Jet::constant(state.constant.value));
         // dφ/dθ and ds/dθ are even and periodic: cosine series, integrated term by term. θ = π is the crest.
-        let nodes: Vec<(f64, f64)> = (0..MODES)
+        let nodes: Vec<(f64, f64)> = (0..modes)
             .map(|i| {
-                let local = self.local(mid, half, lambda, constant, (PI * (i as f64 + 0.5) / MODES as f64).cos());
+                let local = self.local(mid, half, lambda, constant, (PI * (i as f64 + 0.5) / modes as f64).cos());
                 (local.lift.value / (local.radius.value * local.root.value), lambda.value * local.radius.value / local.root.value)
             })
             .collect();
-        let series: Vec<(f64, f64)> = (0..MODES)
+        let series: Vec<(f64, f64)> = (0..modes)
             .map(|k| {
-                let share = if k == 0 { 1.0 } else { 2.0 } / MODES as f64;
-                let cosine = |i: usize| (PI * k as f64 * (i as f64 + 0.5) / MODES as f64).cos();
+                let share = if k == 0 { 1.0 } else { 2.0 } / modes as f64;
+                let cosine = |i: usize| (PI * k as f64 * (i as f64 + 0.5) / modes as f64).cos();
                 nodes.iter().enumerate().fold((0.0, 0.0), |sum, (i, (a, b))| (sum.0 + share * a * cosine(i), sum.1 + share * b * cosine(i)))
             })
             .collect();
@@ -455,7 +457,7 @@ mod tests {
     #[test]
     fn outline_closes_is_even_and_turns_at_its_turning_points() {
         for hem in [0.1452, 0.2362, 0.31] {
-            let prediction = predict(&skirt(hem), 1.962, 0.0, Folds::Exactly(5)).unwrap();
+            let prediction = predict(&skirt(hem), 1.962, 0.0, Folds::Exactly(5), &Effort::default()).unwrap();
             let outline = &prediction.outline;
             let turning = prediction.turning.unwrap();
             let radii: Vec<f64> = outline.iter().map(|p| p.x.hypot(p.y)).collect();

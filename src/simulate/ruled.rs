@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::hanging::{contacts, energies};
-use super::{Branch, Cloth, Folds, Multiplier, Prediction, Termination};
+use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, Termination};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
@@ -32,8 +32,8 @@ const QUADRATURE_AT_WALLS: f64 = 1e-5;
 const ROUNDING_OF_TERMS: f64 = 1e-11;
 
 /// The hem of least energy over `harmonics` coefficients, and over fold counts if they are free.
-pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usize) -> Result<Prediction, Error> {
-    hang(skirt, cloth, &Terms::usual(cloth.weight(), cloth.rigidity()), folds, harmonics).map(|hung| hung.prediction)
+pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usize, effort: &Effort) -> Result<Prediction, Error> {
+    hang(skirt, cloth, &Terms::usual(cloth.weight(), cloth.rigidity()), folds, harmonics, effort).map(|hung| hung.prediction)
 }
 
 /// A prediction with the shape that it comes from.
@@ -44,12 +44,12 @@ pub(super) struct Hung {
 }
 
 /// The same under any set of terms.
-pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, harmonics: usize) -> Result<Hung, Error> {
+pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, harmonics: usize, effort: &Effort) -> Result<Hung, Error> {
     if !(1..=MOST_HARMONICS).contains(&harmonics) {
         return Err(Error::Invalid { quantity: "harmonics", value: harmonics as f64, allowed: "1 to 32" });
     }
     refuse_disc(skirt)?;
-    let mut search = Search::new(skirt, cloth, terms);
+    let mut search = Search { skirt, cloth, terms, effort: *effort, evaluations: 0, counts: [0; 7] };
     let (cone, at_cone) = search.cone()?;
     let round = cone.ledger(&at_cone).ok_or_else(no_cone)?;
     let round_energy = round.total();
@@ -101,7 +101,7 @@ pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, ha
         };
         return Ok(Hung { prediction, shape: None });
     }
-    if !search.verify(&mut best) {
+    if !effort.fixed() && !search.verify(&mut best) {
         notes.push(if terms.body.is_some() || terms.folds.is_some() {
             "contact is sharper than the grid: the energy is not resolved to five digits".into()
         } else {
@@ -255,21 +255,19 @@ struct Search<'a> {
     skirt: &'a Skirt,
     cloth: &'a Cloth,
     terms: &'a Terms,
+    effort: Effort,
     evaluations: usize,
     /// Of each term.
     counts: [usize; 7],
 }
 
-impl<'a> Search<'a> {
-    fn new(skirt: &'a Skirt, cloth: &'a Cloth, terms: &'a Terms) -> Self {
-        Search { skirt, cloth, terms, evaluations: 0, counts: [0; 7] }
-    }
-
+impl Search<'_> {
     /// `fineness` multiplies the nodes of both quadratures.
     fn shell(&self, folds: u32, harmonics: usize, fineness: usize) -> RuledTerms {
         // A wall is felt over a few millimetres only.
         let fineness = if self.walls() { 2 * fineness } else { fineness };
-        let (half, slices) = (fineness * half_nodes(harmonics), fineness * Bending::NODES);
+        let (half, slices) = self.effort.sizes(half_nodes(harmonics), Bending::NODES);
+        let (half, slices) = (fineness * half, fineness * slices);
         RuledTerms::new(self.skirt, self.terms, folds, harmonics, half, slices)
     }
 
@@ -397,10 +395,10 @@ impl<'a> Search<'a> {
         let walk = harmonics.min(WALK);
         let mut best = self.solve(from, walk, start(from).as_ref(), round);
         let mut walked = vec![best.branch.clone()];
-        // Two failures in a row on either side end the walk: refinement shifts the minimum by one fold, not by three.
+        // Failures in a row on either side end the walk: refinement shifts the minimum by one fold, not by three.
         for direction in [-1_i64, 1] {
-            let (mut m, mut failures) = (i64::from(from) + direction, 0);
-            while 2 <= m && m <= i64::from(MOST_FOLDS) && failures < 2 {
+            let (mut m, mut failures) = (i64::from(from) + direction, 0_u32);
+            while 2 <= m && m <= i64::from(MOST_FOLDS) && failures < self.effort.patience {
                 let asked = m as u32;
                 let state = self.solve(asked, walk, start(asked).as_ref(), round);
                 walked.push(state.branch.clone());
@@ -417,7 +415,7 @@ impl<'a> Search<'a> {
             // More harmonics lower neighbours by nearly the same: only a close rival can still win.
             let rivals = walked
                 .iter()
-                .filter(|b| b.folds != 0 && b.energy <= best.branch.energy * (1.0 + CLOSE))
+                .filter(|b| b.folds != 0 && b.energy <= best.branch.energy * (1.0 + self.effort.closeness * CLOSE))
                 .map(|b| b.asked)
                 .collect::<Vec<_>>();
             let from_walk = best.minimum.x.clone();

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::graded::{self, HARMONICS, MODES};
 use super::screen::{Screened, Screening, screen};
-use super::{Cloth, Fidelity, Folds, Options, Prediction, movement, predict, project, ruled, tolerance};
+use super::{Cloth, Effort, Fidelity, Folds, Options, Prediction, movement, predict, project, ruled, tolerance};
 use crate::error::Error;
 use crate::experiment::scene::{Choice, Scene, Term, TermSet, Theory, WaistEdge};
 use crate::experiment::{Apparatus, Point, Skirt};
@@ -140,11 +140,11 @@ impl Case<'_> {
         let terms = self.all.only(set);
         match self.fidelity {
             Fidelity::Ruled { harmonics } => {
-                let hung = ruled::hang(self.skirt, self.cloth, &terms, folds, harmonics)?;
+                let hung = ruled::hang(self.skirt, self.cloth, &terms, folds, harmonics, &Effort::default())?;
                 Ok((hung.prediction, hung.shape.map(|(shell, x)| Shape::Ruled(Box::new(shell), x))))
             }
             Fidelity::Graded { harmonics, modes, .. } => {
-                let hung = graded::hang(self.skirt, self.cloth, &terms, folds, harmonics, modes)?;
+                let hung = graded::hang(self.skirt, self.cloth, &terms, folds, (harmonics, modes), &Effort::default())?;
                 Ok((hung.prediction, hung.shape.map(|(shell, x)| Shape::Graded(Box::new(shell), x))))
             }
             _ => Err(Error::Unanswerable("this theory has a fixed set of terms".into())),
@@ -228,8 +228,8 @@ impl Shape {
 pub(super) fn missing(term: Term) -> &'static str {
     match term {
         Term::Gravity | Term::Bending | Term::SelfContact => "the cloth is not known",
-        Term::Foundation => "the scene gives no foundation_modulus_n_m3",
-        Term::Shear => "the scene gives no shear_stiffness_n_m",
+        Term::Foundation => "the scene gives no foundation_modulus_n_m3 above 0",
+        Term::Shear => "the scene gives no shear_stiffness_n_m above 0",
         Term::Stretch => "the scene gives no ring_stiffness_n_m or generatrix_stiffness_n_m",
         Term::BodyContact => "the scene has no [body]",
     }
@@ -273,7 +273,7 @@ fn fixed(scene: &Scene, fidelity: Fidelity, folds: Folds) -> Result<Prediction, 
     {
         return Err(Error::Unanswerable(format!("{name} has the terms {} and no others, asked are {}", own.names(), set.names())));
     }
-    let options = Options { fidelity, folds, gravity: scene.gravity, tolerance: scene.tolerance };
+    let options = Options { fidelity, folds, gravity: scene.gravity, tolerance: scene.tolerance, ..Options::default() };
     let mut prediction = predict(&scene.skirt, &scene.fabric, &options)?;
     if scene.choice == Choice::Auto {
         prediction.notes.push(format!("{name} has the terms {} and no others: nothing was screened", own.names()));

@@ -84,8 +84,12 @@ pub(super) fn screen(case: &Case<'_>, tolerance: f64) -> Result<(TermSet, Screen
         switched.extend(judge.always(&base.0));
         let absent = Term::ALL.into_iter().filter(|term| switched.iter().all(|row| row.term != *term)).collect::<Vec<_>>();
         switched.extend(absent.into_iter().map(|term| {
-            let why = format!("{}: taken to be free", missing(term));
-            let why = if term == Term::BodyContact { missing(term).to_string() } else { why };
+            let taken = match term {
+                Term::Shear => ": shear is taken to be free",
+                Term::Stretch => ": cloth is taken not to stretch",
+                _ => "",
+            };
+            let why = format!("{}{taken}", missing(term));
             Screened { term, number: None, is: number_is(term), movement: None, on: false, why }
         }));
         switched.sort_by_key(|row| row.term);
