@@ -403,6 +403,7 @@ fn a_screened_out_term_moves_the_hem_by_less_than_the_tolerance() {
                 Err(why) => return (seed, vec![format!("refused: {why}")], counts, 0),
             };
             let base = hang(set).unwrap();
+            assert!(base.contacts.iter().all(|c| c.smallest_gap.is_none_or(|gap| 0.0 < gap)), "{seed}: {:?}", base.contacts);
             for row in screening.rows.iter().filter(|row| row.number.is_some() && !TermSet::usual().contains(row.term)) {
                 let other = if row.on { set.without(row.term) } else { set.with(row.term) };
                 let moved = hem_movement(&base, &hang(other).unwrap());

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::experiment::scene::Term;
 use crate::import::{self, scene_file};
 use crate::report::output;
-use crate::simulate::scene::Hem;
+use crate::simulate::scene::HemNumbers;
 use crate::study::terms::{SceneTerms, grid, map, of_campaign, of_scene};
 use crate::units::{MILLIMETRE, MILLINEWTON};
 
@@ -90,8 +90,8 @@ fn text(answers: &Answers) -> String {
             "term", "is", "moves, mm", "estimate, mm", "folds", "lambda with/out, mN", "evaluations"
         );
         for row in &study.rows {
-            let pair = |f: &dyn Fn(&Hem) -> String| {
-                let one = |hem: &Option<Hem>| hem.as_ref().map_or("–".into(), f);
+            let pair = |f: &dyn Fn(&HemNumbers) -> String| {
+                let one = |hem: &Option<HemNumbers>| hem.as_ref().map_or("–".into(), f);
                 format!("{}/{}", one(&row.with), one(&row.without))
             };
             out += &format!(
@@ -119,8 +119,8 @@ fn csv(answers: &Answers) -> String {
         let Ok(study) = answer else { continue };
         for row in &study.rows {
             let (with, without) = (row.with.as_ref(), row.without.as_ref());
-            let folds = |hem: Option<&Hem>| hem.map_or(String::new(), |hem| hem.folds.to_string());
-            let count = |hem: Option<&Hem>| hem.map_or(String::new(), |hem| hem.evaluations.to_string());
+            let folds = |hem: Option<&HemNumbers>| hem.map_or(String::new(), |hem| hem.folds.to_string());
+            let count = |hem: Option<&HemNumbers>| hem.map_or(String::new(), |hem| hem.evaluations.to_string());
             let cells = [
                 format!("\"{}\"", name.replace('"', "\"\"")),
                 row.term.name().into(),

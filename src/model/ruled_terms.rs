@@ -74,7 +74,12 @@ impl RuledTerms {
 
     /// How many unknowns stand before a_1.
     pub fn strains(&self) -> usize {
-        2 * self.cosines[0].ncols()
+        RuledTerms::strains_under(&self.terms)
+    }
+
+    /// How many unknowns stand before a_1 under `terms`.
+    pub fn strains_under(terms: &Terms) -> usize {
+        if terms.stretch.is_some() { 2 * STRAINS } else { 0 }
     }
 
     /// How often each term was evaluated with its derivatives, in the order of [`Term::ALL`].

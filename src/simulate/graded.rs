@@ -141,6 +141,7 @@ pub(super) fn hang(
         prediction.contacts = contacts(terms, &shell.gaps(&at_cone));
         return Ok(Hung { prediction, shape: None });
     }
+    let gaps = if search.walls() { search.clear(&mut best) } else { Gaps::default() };
     let ledger = best.shell.ledger(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
     let curve = best.curve();
     (prediction.hem_radius_min, prediction.hem_radius_max) = curve.radius_range();
@@ -151,12 +152,6 @@ pub(super) fn hang(
     prediction.coefficients = curve.coefficients().to_vec();
     prediction.outline = curve.outline(ruled::outline_points(best.branch.folds));
     prediction.termination = best.branch.termination;
-    let gaps = if search.walls() {
-        let (half, slices) = (2 * best.shell.setup().half, 2 * best.shell.setup().slices);
-        search.shell(best.branch.asked, harmonics, modes, half, slices).gaps(&best.minimum.x)
-    } else {
-        Gaps::default()
-    };
     prediction.contacts = contacts(terms, &gaps);
     Ok(Hung { prediction, shape: Some((best.shell, best.minimum.x)) })
 }
@@ -365,6 +360,22 @@ impl Search<'_> {
         // What the graded sweep alone has, the walk has always found from the shell of weight and rigidity.
         let usual = Terms { shear: None, ..terms };
         Ok(ruled::hang(self.skirt, self.cloth, &usual, Folds::Auto, 1, &Effort::default())?.prediction)
+    }
+
+    /// The gaps on twice the nodes of the solution; where cloth went through a wall between those, the solution is found on these.
+    fn clear(&mut self, best: &mut State) -> Gaps {
+        let Setup { harmonics, modes, half, slices, .. } = *best.shell.setup();
+        let fine = self.shell(best.branch.asked, harmonics, modes, 2 * half, 2 * slices);
+        let gaps = fine.gaps(&best.minimum.x);
+        if !gaps.closed() {
+            return gaps;
+        }
+        let start = best.minimum.x.clone();
+        best.minimum = self.descend(&fine, start);
+        best.branch.termination = best.minimum.ending.into();
+        best.branch.energy = best.minimum.at.value;
+        best.shell = fine;
+        best.shell.gaps(&best.minimum.x)
     }
 
     /// Doubles the nodes until the energy holds; whether it did.

@@ -108,10 +108,10 @@ pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, ha
             "the hem is so nearly creased that its energy is not resolved to ten digits".into()
         });
     }
+    let gaps = if search.walls() { search.clear(&mut best) } else { Gaps::default() };
     let curve = best.curve();
     let (low, high) = curve.radius_range();
     let ledger = best.shell.ledger(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
-    let gaps = if search.walls() { search.shell(best.shell.folds(), best.harmonics(), 4).gaps(&best.minimum.x) } else { Gaps::default() };
     let prediction = Prediction {
         fidelity: format!("ruled(K = {harmonics})"),
         folds: best.branch.folds,
@@ -299,7 +299,7 @@ impl Search<'_> {
 
     /// The branch of `folds` folds, from one harmonic upward, or from `start`.
     fn solve(&mut self, folds: u32, harmonics: usize, start: Option<&DVector<f64>>, round: f64) -> State {
-        let before = self.shell(folds, 1, 1).strains();
+        let before = RuledTerms::strains_under(self.terms);
         let mut a = start.cloned().unwrap_or_else(|| DVector::from_fn(before + 1, |i, _| if i < before { 0.0 } else { 1.0 }));
         let mut reached = None;
         for level in levels(harmonics).filter(|k| a.len() - before <= *k).collect::<Vec<_>>() {
@@ -474,6 +474,21 @@ impl Search<'_> {
         });
         let (_, along) = unit_bending(self.skirt);
         ((weight + springs) * lean * hem / (self.cloth.rigidity() * along)).sqrt().min(f64::from(MOST_FOLDS)) as u32
+    }
+
+    /// The gaps on a grid that is finer than the solution's; where cloth went through a wall between its nodes, the solution is found on that one.
+    fn clear(&mut self, best: &mut State) -> Gaps {
+        let fine = self.shell(best.shell.folds(), best.harmonics(), 4);
+        let gaps = fine.gaps(&best.minimum.x);
+        if !gaps.closed() {
+            return gaps;
+        }
+        let start = best.minimum.x.clone();
+        best.minimum = self.descend(&fine, &start);
+        best.branch.termination = best.minimum.ending.into();
+        best.branch.energy = best.minimum.at.value;
+        best.shell = fine;
+        best.shell.gaps(&best.minimum.x)
     }
 
     /// Doubles the nodes until the energy holds; whether it did.

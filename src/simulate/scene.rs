@@ -92,7 +92,7 @@ fn prepare<'a>(scene: &'a Scene, cloth: &'a Cloth, fidelity: Option<Fidelity>) -
 }
 
 /// A scene under one theory, ready to be hung with any of its terms.
-pub struct Case<'a> {
+pub(super) struct Case<'a> {
     pub(super) skirt: &'a Skirt,
     pub(super) cloth: &'a Cloth,
     /// Every term that the scene has data for.
@@ -158,8 +158,8 @@ pub struct Switched {
     pub term: Term,
     /// What the screen said.
     pub screened: Screened,
-    pub with: Option<Hem>,
-    pub without: Option<Hem>,
+    pub with: Option<HemNumbers>,
+    pub without: Option<HemNumbers>,
     /// How far the hem moves, m.
     pub movement: Option<f64>,
     /// Why there is no movement, where there is none.
@@ -168,16 +168,16 @@ pub struct Switched {
 
 /// The numbers of a hem that a switched term may change.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Hem {
+pub struct HemNumbers {
     pub folds: u32,
     /// λ, N; `None` under terms that have no closed form for it.
     pub multiplier: Option<f64>,
     pub evaluations: usize,
 }
 
-impl Hem {
+impl HemNumbers {
     fn of(prediction: &Prediction) -> Self {
-        Hem { folds: prediction.folds, multiplier: prediction.multiplier.map(|m| m.value), evaluations: prediction.evaluations }
+        HemNumbers { folds: prediction.folds, multiplier: prediction.multiplier.map(|m| m.value), evaluations: prediction.evaluations }
     }
 }
 
@@ -193,8 +193,8 @@ pub fn switch_terms(scene: &Scene, fidelity: Option<Fidelity>) -> Result<(Predic
     let switched = rows
         .map(|row| {
             let other = hang(if row.on { set.without(row.term) } else { set.with(row.term) });
-            let changed = other.as_ref().ok().map(Hem::of);
-            let (with, without) = if row.on { (Some(Hem::of(&base)), changed) } else { (changed, Some(Hem::of(&base))) };
+            let changed = other.as_ref().ok().map(HemNumbers::of);
+            let (with, without) = if row.on { (Some(HemNumbers::of(&base)), changed) } else { (changed, Some(HemNumbers::of(&base))) };
             Switched {
                 term: row.term,
                 screened: row.clone(),

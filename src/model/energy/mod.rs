@@ -149,6 +149,11 @@ pub struct Gaps {
 }
 
 impl Gaps {
+    /// Whether cloth is inside the body or another fold somewhere.
+    pub fn closed(&self) -> bool {
+        [self.body, self.folds].into_iter().flatten().any(|gap| gap <= 0.0)
+    }
+
     pub(super) fn see(&mut self, terms: &Terms, spot: &Spot, [x, y, z]: [f64; 3]) {
         let least = |seen: Option<f64>, gap: f64| Some(seen.map_or(gap, |seen| seen.min(gap)));
         if let Some(body) = &terms.body {
