@@ -234,12 +234,8 @@ pub(super) fn theory(reader: &Reader<'_>, table: TheoryTable) -> Result<Asked, E
                 TermsGiven::Word(word) => vec![word],
                 TermsGiven::List(list) => list.iter().map(String::as_str).collect(),
             };
-            let (problem, remedy) = match choice(&names) {
-                Ok(choice) => (Some(choice), String::new()),
-                Err(why) => (None, why),
-            };
-            problem.ok_or_else(|| {
-                let (problem, remedy) = remedy.split_once("; ").unwrap_or((&remedy, ""));
+            choice(&names).map_err(|why| {
+                let (problem, remedy) = why.split_once("; ").unwrap_or((&why, ""));
                 Error::input(reader.place(&given.span()), format!("“terms”: {problem}"), remedy)
             })?
         }

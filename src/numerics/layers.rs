@@ -66,15 +66,13 @@ impl<const M: usize, const OUT: usize> Layer<M, OUT> {
             for (jet, adjoint) in jets.iter().zip(&adjoints) {
                 let lambda = adjoint[i];
                 if lambda != 0.0 {
-                    for a in 0..M {
-                        for b in 0..M {
-                            local[a][b] += lambda * jet.hessian[a][b];
-                        }
+                    for (row, curvature) in local.iter_mut().zip(&jet.hessian) {
+                        row.iter_mut().zip(curvature).for_each(|(sum, d)| *sum += lambda * d);
                     }
                 }
             }
         }
-        for a in 0..M {
+        for (a, own) in inputs.iter().enumerate() {
             let mut rows = DMatrix::zeros(nodes, hessian.ncols());
             let mut any = false;
             for (b, input) in inputs.iter().enumerate() {
@@ -89,7 +87,7 @@ impl<const M: usize, const OUT: usize> Layer<M, OUT> {
                 }
             }
             if any {
-                hessian.gemm_tr(1.0, &inputs[a].tangent, &rows, 1.0);
+                hessian.gemm_tr(1.0, &own.tangent, &rows, 1.0);
             }
         }
         std::array::from_fn(|a| {
