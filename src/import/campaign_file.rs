@@ -17,7 +17,7 @@ use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
 use crate::experiment::campaign::{
-    CameraHeight, Folds, HemLength, Meshes, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish,
+    CameraHeight, Folds, HemLength, Language, Meshes, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish,
 };
 use crate::experiment::scene::Hanging;
 use crate::experiment::{Apparatus, CheckRules, Factor};
@@ -70,6 +70,7 @@ pub(super) struct CampaignFile {
     pub tables: Told,
     pub meshes: Meshes,
     pub check: CheckRules,
+    pub language: Language,
 }
 
 #[derive(Deserialize)]
@@ -95,6 +96,8 @@ struct Document {
     wishes: Vec<Spanned<WishEntry>>,
     #[serde(default)]
     check: CheckTable,
+    #[serde(default)]
+    language: Language,
 }
 
 #[derive(Deserialize, Clone)]
@@ -321,6 +324,7 @@ impl Reader<'_> {
             tables,
             wishes: wanted,
             check,
+            language,
         } = document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
@@ -376,6 +380,7 @@ impl Reader<'_> {
             tables: tables.told(self)?,
             pictures: self.pictures(&profiles)?,
             meshes: self.meshes(&profiles)?,
+            language,
         })
     }
 
