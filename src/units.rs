@@ -60,7 +60,7 @@ pub fn factor(suffix: &str) -> Option<f64> {
         "g_m2" => GRAM_PER_SQUARE_METRE,
         "kg_m2" => 1.0,
         "un_m" => MICRONEWTON_METRE,
-        "n_m" => 1.0,
+        "n_m" | "n_m3" => 1.0,
         _ => return None,
     })
 }

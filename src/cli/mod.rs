@@ -14,6 +14,7 @@ pub mod regress;
 pub mod report;
 pub mod run;
 mod study;
+pub mod study_terms;
 pub mod told;
 pub mod workbook;
 

@@ -1,5 +1,6 @@
 //! `hemline predict`: the hem from cloth and cut.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -7,8 +8,12 @@ use serde_json::{Map, Value, json};
 
 use crate::cli::print;
 use crate::error::Error;
-use crate::experiment::{Fabric, Skirt};
-use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, graded, predict, ruled};
+use crate::experiment::scene::{Choice, ClothDetail, TermSet, Theory, WaistEdge};
+use crate::experiment::{Apparatus, Fabric, Scene, Skirt};
+use crate::import::scene_file;
+use crate::simulate::{
+    Branch, Contact, Fidelity, Folds, Options, Prediction, Screened, Screening, Termination, graded, predict, predict_scene, ruled,
+};
 use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 
 /// Predict how a conic skirt hangs, from its cut and its cloth; nothing is fitted.
@@ -17,32 +22,39 @@ use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 /// costs least. Above a threshold rigidity the skirt hangs round: `folds` is then 0.
 #[derive(Debug, Clone, Args)]
 #[command(
-    after_help = "Example:\n  hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --json"
+    after_help = "Examples:\n  hemline predict --scene scene.toml --terms auto\n  hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --json"
 )]
 pub struct Predict {
+    /// Skirt, cloth, body, terms and tolerance from this file (docs/terms.md); other flags overrule it
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// Energy terms that are in: `auto` for those whose omission would move the hem by more than the tolerance, or a list of gravity, bending,
+    /// foundation, shear, stretch, body_contact, self_contact
+    #[arg(long, value_name = "auto|TERM,…")]
+    terms: Option<String>,
     /// Radius of the waist ring, cm
-    #[arg(long, value_name = "CM")]
-    waist_radius_cm: f64,
+    #[arg(long, value_name = "CM", required_unless_present = "scene", conflicts_with = "scene")]
+    waist_radius_cm: Option<f64>,
     /// Radius of the round hem: half the hem's cloth length over π, cm
-    #[arg(long, value_name = "CM")]
-    hem_radius_cm: f64,
+    #[arg(long, value_name = "CM", required_unless_present = "scene", conflicts_with = "scene")]
+    hem_radius_cm: Option<f64>,
     /// Length of the cloth from waist to hem, cm
-    #[arg(long, value_name = "CM")]
-    slant_length_cm: f64,
+    #[arg(long, value_name = "CM", required_unless_present = "scene", conflicts_with = "scene")]
+    slant_length_cm: Option<f64>,
     /// Mass per area of the cloth, g/m²
-    #[arg(long, value_name = "G_M2")]
-    areal_density_g_m2: f64,
+    #[arg(long, value_name = "G_M2", required_unless_present = "scene", conflicts_with = "scene")]
+    areal_density_g_m2: Option<f64>,
     /// Flexural rigidity of the cloth per width, µN·m
-    #[arg(long, value_name = "UN_M")]
-    rigidity_un_m: f64,
-    /// Fold count: `auto` for the one of least energy, or a number from 2
-    #[arg(long, default_value = "auto", value_name = "auto|M", value_parser = folds)]
-    folds: Folds,
+    #[arg(long, value_name = "UN_M", required_unless_present = "scene", conflicts_with = "scene")]
+    rigidity_un_m: Option<f64>,
+    /// Fold count: `auto` for the one of least energy, or a number from 2 [default: auto]
+    #[arg(long, value_name = "auto|M", value_parser = folds)]
+    folds: Option<Folds>,
     /// Theory: graded (every ring inextensible, generatrices curve; nearest to a real skirt), ruled (generatrices straight), ansatz (the paper's
-    /// curve p, q, s in the ruled energy), polar (the paper's equation (4))
-    #[arg(long, value_enum, default_value_t = Method::Ruled)]
-    fidelity: Method,
-    /// Foundation modulus E of the paper's functional, N/m³; equation (4) only
+    /// curve p, q, s in the ruled energy), polar (the paper's equation (4)) [default: ruled]
+    #[arg(long, value_enum)]
+    fidelity: Option<Method>,
+    /// Foundation modulus E of the paper's functional, N/m³; equation (4), and with --terms
     #[arg(long, default_value_t = 0.0, value_name = "E")]
     foundation_n_m3: f64,
     /// Harmonics of the tangent angle; 8 unless told for ruled (up to 32), 3 for graded (up to 12)
@@ -51,15 +63,14 @@ pub struct Predict {
     /// Modes of each harmonic over height, 2 to 24; graded only
     #[arg(long, default_value_t = graded::MODES, value_name = "J")]
     height_modes: usize,
-    /// Shear stiffness of the weave, N/m; graded only, 0 leaves shear free
+    /// Shear stiffness of the weave, N/m; graded, and with --terms; 0 leaves shear free
     #[arg(long, default_value_t = 0.0, value_name = "S")]
     shear_n_m: f64,
     /// Resolve the hem to this distance, mm: harmonics and modes are then chosen (ruled and graded)
     #[arg(long, value_name = "MM")]
     tolerance_mm: Option<f64>,
-    /// Acceleration of free fall, m/s²
-    #[arg(long, default_value_t = units::STANDARD_GRAVITY, value_name = "M_S2")]
-    gravity_m_s2: f64,
+    #[arg(long, value_name = "M_S2", help = format!("Acceleration of free fall, m/s² [default: {}]", units::STANDARD_GRAVITY))]
+    gravity_m_s2: Option<f64>,
     /// Print one JSON object (SI units)
     #[arg(long)]
     json: bool,
@@ -97,13 +108,34 @@ pub fn run(args: &Predict) -> Result<ExitCode, Error> {
 }
 
 fn prediction(args: &Predict) -> Result<Prediction, Error> {
-    let centimetres = |value: f64| Metre(value * units::CENTIMETRE);
-    let skirt = Skirt::new(centimetres(args.waist_radius_cm), centimetres(args.hem_radius_cm), centimetres(args.slant_length_cm))?;
-    let fabric = Fabric {
-        areal_density: Some(KilogramPerSquareMetre(args.areal_density_g_m2 * units::GRAM_PER_SQUARE_METRE)),
-        flexural_rigidity: Some(NewtonMetre(args.rigidity_un_m * units::MICRONEWTON_METRE)),
+    if args.scene.is_some() || args.terms.is_some() {
+        return of_scene(args);
+    }
+    let tolerance = args.tolerance_mm.map(|t| Metre(t * units::MILLIMETRE));
+    let options = Options {
+        fidelity: fidelity(args, args.fidelity.unwrap_or(Method::Ruled)),
+        folds: args.folds.unwrap_or(Folds::Auto),
+        gravity: args.gravity_m_s2.unwrap_or(units::STANDARD_GRAVITY),
+        tolerance,
+        ..Options::default()
     };
-    let fidelity = match args.fidelity {
+    predict(&skirt(args)?, &fabric(args), &options)
+}
+
+fn skirt(args: &Predict) -> Result<Skirt, Error> {
+    let centimetres = |value: Option<f64>| Metre(value.unwrap_or(0.0) * units::CENTIMETRE);
+    Skirt::new(centimetres(args.waist_radius_cm), centimetres(args.hem_radius_cm), centimetres(args.slant_length_cm))
+}
+
+fn fabric(args: &Predict) -> Fabric {
+    Fabric {
+        areal_density: args.areal_density_g_m2.map(|density| KilogramPerSquareMetre(density * units::GRAM_PER_SQUARE_METRE)),
+        flexural_rigidity: args.rigidity_un_m.map(|rigidity| NewtonMetre(rigidity * units::MICRONEWTON_METRE)),
+    }
+}
+
+fn fidelity(args: &Predict, method: Method) -> Fidelity {
+    match method {
         Method::Polar => Fidelity::Polar { foundation: args.foundation_n_m3 },
         Method::Ansatz => Fidelity::Ansatz,
         Method::Ruled => Fidelity::Ruled { harmonics: args.harmonics.unwrap_or(ruled::HARMONICS) },
@@ -111,18 +143,58 @@ fn prediction(args: &Predict) -> Result<Prediction, Error> {
             let harmonics = args.harmonics.unwrap_or(graded::HARMONICS);
             Fidelity::Graded { harmonics, modes: args.height_modes, shear: args.shear_n_m }
         }
-    };
-    predict(
-        &skirt,
-        &fabric,
-        &Options {
-            fidelity,
-            folds: args.folds,
-            gravity: args.gravity_m_s2,
-            tolerance: args.tolerance_mm.map(|t| Metre(t * units::MILLIMETRE)),
-            ..Options::default()
+    }
+}
+
+/// The scene of a file or of the flags, and its hem.
+fn of_scene(args: &Predict) -> Result<Prediction, Error> {
+    let mut scene = match &args.scene {
+        Some(path) => scene_file::read(path)?,
+        None => Scene {
+            title: None,
+            apparatus: Apparatus::Skirt,
+            skirt: skirt(args)?,
+            waist_edge: WaistEdge::default(),
+            seams: 0,
+            fabric: fabric(args),
+            detail: ClothDetail::default(),
+            body: None,
+            choice: Choice::Exactly(TermSet::usual()),
+            theory: Theory::Ruled,
+            folds: None,
+            tolerance: None,
+            gravity: units::STANDARD_GRAVITY,
         },
-    )
+    };
+    if let Some(names) = &args.terms {
+        let names: Vec<&str> = names.split(',').map(str::trim).collect();
+        scene.choice = scene_file::choice(&names).map_err(|why| Error::Unanswerable(format!("--terms: {why}")))?;
+    }
+    match args.folds {
+        Some(Folds::Auto) => scene.folds = None,
+        Some(Folds::Exactly(m)) => scene.folds = Some(m),
+        None => {}
+    }
+    scene.tolerance = args.tolerance_mm.map(|t| Metre(t * units::MILLIMETRE)).or(scene.tolerance);
+    scene.gravity = args.gravity_m_s2.unwrap_or(scene.gravity);
+    if 0.0 < args.shear_n_m {
+        scene.detail.shear_stiffness = Some(args.shear_n_m);
+    }
+    if 0.0 < args.foundation_n_m3 {
+        scene.detail.foundation_modulus = Some(args.foundation_n_m3);
+    }
+    let method = args.fidelity.unwrap_or(match scene.theory {
+        Theory::Ruled => Method::Ruled,
+        Theory::Graded => Method::Graded,
+        Theory::Ansatz => Method::Ansatz,
+        Theory::Polar => Method::Polar,
+    });
+    let foundation = scene.detail.foundation_modulus.unwrap_or(0.0);
+    let size = match fidelity(args, method) {
+        Fidelity::Polar { .. } => Fidelity::Polar { foundation },
+        other => other,
+    };
+    predict_scene(&scene, Some(size))
 }
 
 /// The prediction as one JSON object; what a fidelity does not have has no key.
@@ -172,6 +244,25 @@ fn to_json(prediction: &Prediction) -> Value {
         })
     };
     out.insert("branches".into(), prediction.branches.iter().map(branch).collect());
+    let evaluations: Map<String, Value> = prediction.terms.iter().map(|t| (t.term.to_string(), json!(t.evaluations))).collect();
+    out.insert("term_evaluations".into(), Value::Object(evaluations));
+    if !prediction.contacts.is_empty() {
+        let contact =
+            |c: &Contact| json!({ "term": c.term, "stiffness_n_m3": c.stiffness, "reach_m": c.reach, "smallest_gap_m": c.smallest_gap });
+        out.insert("contacts".into(), prediction.contacts.iter().map(contact).collect());
+    }
+    if let Some(screening) = &prediction.screening {
+        let row = |row: &Screened| {
+            json!({
+                "term": row.term, "number": row.number, "number_is": row.is, "movement_m": row.movement, "on": row.on, "why": row.why,
+            })
+        };
+        let rows: Vec<Value> = screening.rows.iter().map(row).collect();
+        out.insert(
+            "screening".into(),
+            json!({ "tolerance_m": screening.tolerance, "trials": screening.trials, "evaluations": screening.evaluations, "terms": rows }),
+        );
+    }
     out.insert("notes".into(), json!(prediction.notes));
     Value::Object(out)
 }
@@ -195,10 +286,15 @@ fn to_text(prediction: &Prediction) -> String {
     if prediction.energy_unit == "J" {
         out += &format!("energy       {:.4} mJ\n", millijoules(prediction.energy));
         for term in &prediction.terms {
-            out += &format!("  {:<10} {:.4} mJ\n", term.term, millijoules(term.energy));
+            out += &format!("  {:<12} {:.4} mJ\n", term.term, millijoules(term.energy));
         }
     } else {
         out += &format!("functional   {:.6} {}\n", prediction.energy, prediction.energy_unit);
+    }
+    for contact in &prediction.contacts {
+        let gap = contact.smallest_gap.map_or("no cloth that could touch".into(), |gap| format!("smallest gap {:.2} mm", millimetres(gap)));
+        let (reach, stiffness) = (millimetres(contact.reach), contact.stiffness);
+        out += &format!("{:<12} {gap}; a wall of {stiffness:.3e} N/m³, felt from {reach:.1} mm on\n", contact.term);
     }
     if let (Some(hem), Some(rms)) = (&prediction.hem, prediction.hem_rms) {
         let (p, q, s, rms) = (millimetres(hem.p), millimetres(hem.q), millimetres(hem.s), millimetres(rms));
@@ -216,6 +312,26 @@ fn to_text(prediction: &Prediction) -> String {
     }
     for note in &prediction.notes {
         out += &format!("note         {note}\n");
+    }
+    if let Some(screening) = &prediction.screening {
+        out += &table(screening);
+    }
+    out
+}
+
+/// The screen's table.
+fn table(screening: &Screening) -> String {
+    let tolerance = screening.tolerance / units::MILLIMETRE;
+    let mut out = format!(
+        "\nterms that would move the hem by more than {tolerance} mm are in ({} evaluations to find out):\n",
+        screening.evaluations
+    );
+    out += &format!("{:<13} {:>10}  {:>11}  {:<4} why; the number is\n", "term", "number", "moves, mm", "");
+    for row in &screening.rows {
+        let number = row.number.map_or(String::new(), |number| format!("{number:.3e}"));
+        let movement = row.movement.map_or(String::new(), |movement| format!("{:.3}", movement / units::MILLIMETRE));
+        let state = if row.on { "on" } else { "off" };
+        out += &format!("{:<13} {number:>10}  {movement:>11}  {state:<4} {}; {}\n", row.term.name(), row.why, row.is);
     }
     out
 }

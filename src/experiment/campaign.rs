@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::CheckRules;
 use super::design::Design;
+use super::scene::Hanging;
 use super::specimen::Apparatus;
 use crate::error::Error;
 use crate::units::Metre;
@@ -236,6 +237,8 @@ pub struct Campaign {
     pub gravity: f64,
     /// Foundation modulus E of the paper's functional, N/m³; 0 unless told.
     pub foundation_modulus: f64,
+    /// Body, cloth in detail, and which terms and theory predict; `None`: weight and rigidity in the ruled shell.
+    pub hanging: Option<Hanging>,
     /// How pictures among the profile files are read; `None` where the campaign has no scale for them.
     pub pictures: Option<Pictures>,
     /// How meshes among them are read.

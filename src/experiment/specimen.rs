@@ -52,6 +52,22 @@ impl Skirt {
         Ok(Skirt { waist_radius, hem_radius, slant_length })
     }
 
+    /// The skirt that touches waist and hip of a body: `tan β = h/(R_hip − R_waist)`, girths and the height h between them in m, slant L.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] unless the waist girth is positive, the hip no narrower than it, and h and L positive.
+    pub fn from_body(waist_girth: Metre, hip_girth: Metre, hip_depth: Metre, slant_length: Metre) -> Result<Self, Error> {
+        let (waist, hip) = (waist_girth.0 / std::f64::consts::TAU, hip_girth.0 / std::f64::consts::TAU);
+        if !(hip.is_finite() && waist <= hip) {
+            return Err(Error::Invalid { quantity: "hip girth, m", value: hip_girth.0, allowed: ">= the waist girth" });
+        }
+        if !(hip_depth.0.is_finite() && 0.0 < hip_depth.0) {
+            return Err(Error::Invalid { quantity: "height between waist and hip, m", value: hip_depth.0, allowed: "> 0" });
+        }
+        let cos = (hip - waist) / (hip - waist).hypot(hip_depth.0);
+        Skirt::new(Metre(waist), Metre(waist + slant_length.0 * cos), slant_length)
+    }
+
     /// The disc of a drape tester: support disc R_t, specimen R_n, L = R_n − R_t, β = 0.
     ///
     /// # Errors

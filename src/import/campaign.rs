@@ -97,6 +97,7 @@ pub fn load_some(folder: &Path, wanted: &dyn Fn(&Run) -> bool) -> Result<Importe
         bias_correction: file.bias_correction,
         gravity: file.gravity,
         foundation_modulus: file.foundation_modulus,
+        hanging: file.hanging,
         pictures: file.pictures,
         meshes: file.meshes,
         check: file.check,

@@ -11,6 +11,7 @@ use super::cells::one_line;
 use super::check_table::CheckTable;
 use super::column::length_unit;
 use super::dialect_table::{DialectTable, Told};
+use super::scene_file::{self, DETAIL, Entry, Numbers, Table, TheoryTable, cloth_detail};
 use super::source;
 use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
@@ -18,6 +19,7 @@ use crate::experiment::Source;
 use crate::experiment::campaign::{
     CameraHeight, Folds, HemLength, Language, Meshes, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish,
 };
+use crate::experiment::scene::Hanging;
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
 
@@ -61,6 +63,7 @@ pub(super) struct CampaignFile {
     pub bias_correction: bool,
     pub gravity: f64,
     pub foundation_modulus: f64,
+    pub hanging: Option<Hanging>,
     pub pictures: Option<Pictures>,
     /// What `hemline import` wrote, below the folder: profiles named like their runs.
     pub store: Option<PathBuf>,
@@ -80,6 +83,8 @@ struct Document {
     geometry: BTreeMap<String, Spanned<Given>>,
     #[serde(default)]
     cloth: BTreeMap<String, Spanned<Given>>,
+    body: Option<Table>,
+    theory: Option<TheoryTable>,
     factors: Vec<Spanned<FactorEntry>>,
     #[serde(default)]
     analysis: Analysis,
@@ -243,7 +248,7 @@ pub(super) fn for_import(path: &Path) -> Result<ForImport, Error> {
 }
 
 /// A fault that the TOML reader found, with its row, and for an unknown key the nearest known one.
-fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Error {
+pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Error {
     let mut place = Place::file(path);
     if let Some(span) = error.span() {
         place = place.row(row_of(text, &span));
@@ -296,7 +301,7 @@ pub(super) const LEVEL: &str = "between 0 and 1, both excluded";
 
 pub(super) struct Reader<'a> {
     pub(super) path: &'a Path,
-    text: &'a str,
+    pub(super) text: &'a str,
 }
 
 impl Reader<'_> {
@@ -305,8 +310,22 @@ impl Reader<'_> {
     }
 
     fn check(&self, document: Document, source: Source) -> Result<CampaignFile, Error> {
-        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, tables, wishes: wanted, check, language } =
-            document;
+        let Document {
+            title,
+            origin,
+            apparatus,
+            geometry,
+            mut cloth,
+            body,
+            theory,
+            factors,
+            analysis,
+            profiles,
+            tables,
+            wishes: wanted,
+            check,
+            language,
+        } = document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
         {
@@ -331,6 +350,7 @@ impl Reader<'_> {
             };
             found.push(lengths.remove(*name).ok_or_else(missing)?);
         }
+        let hanging = self.hanging(&mut cloth, body, theory)?;
         let mut cloth = self.quantities("cloth", cloth, &["areal_density", "flexural_rigidity"], &["g_m2", "kg_m2", "un_m", "n_m"])?;
         let (hem_length, folds) = (self.hem_length(&analysis)?, self.folds(&analysis)?);
         let alpha = self.number(&analysis.alpha, 0.05, "alpha", LEVEL, |a| 0.0 < a && a < 1.0)?;
@@ -355,12 +375,43 @@ impl Reader<'_> {
             gravity: self.number(&analysis.gravity_m_s2, units::STANDARD_GRAVITY, "gravity_m_s2", "positive", |g| 0.0 < g)?,
             foundation_modulus: self
                 .number(&analysis.foundation_modulus_n_m3, 0.0, "foundation_modulus_n_m3", "0 or more", |e| 0.0 <= e)?,
+            hanging,
             store: self.store(&profiles.file)?,
             tables: tables.told(self)?,
             pictures: self.pictures(&profiles)?,
             meshes: self.meshes(&profiles)?,
             language,
         })
+    }
+
+    /// What `[cloth]` says in detail, `[body]` and `[theory]`; `None` where they say nothing.
+    fn hanging(
+        &self,
+        cloth: &mut BTreeMap<String, Spanned<Given>>,
+        body: Option<Table>,
+        theory: Option<TheoryTable>,
+    ) -> Result<Option<Hanging>, Error> {
+        let mut detail = BTreeMap::new();
+        for key in DETAIL {
+            let Some(given) = cloth.remove(key) else { continue };
+            let Given::Number(number) = given.get_ref() else {
+                let problem = format!("“{key}” names a column");
+                return Err(Error::input(self.place(&given.span()), problem, "it is one number for all runs"));
+            };
+            detail.insert(key.to_owned(), Spanned::new(given.span(), Entry::Number(*number)));
+        }
+        if detail.is_empty() && body.is_none() && theory.is_none() {
+            return Ok(None);
+        }
+        let mut detail = Numbers::new(self, "cloth", detail);
+        let found = cloth_detail(&mut detail)?;
+        detail.finish()?;
+        let body = body.map(|table| scene_file::body(self, table)).transpose()?;
+        let asked = scene_file::theory(self, theory.unwrap_or_default())?;
+        if let Some((place, _)) = asked.folds {
+            return Err(Error::input(place, "“folds” in [theory] is for one scene", "in a campaign folds stands in [analysis]"));
+        }
+        Ok(Some(Hanging { detail: found, body, choice: asked.choice, theory: asked.theory, tolerance: asked.tolerance }))
     }
 
     /// What `[profiles]` says about pictures; `None` where it gives no scale.

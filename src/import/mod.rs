@@ -24,6 +24,7 @@ mod number;
 pub mod numbers;
 mod points;
 mod quarantine;
+pub mod scene_file;
 mod source;
 mod sources;
 mod store;

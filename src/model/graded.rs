@@ -21,9 +21,9 @@ use crate::numerics::quadrature::{gauss_legendre, running_integral};
 /// Material and size of the discretization.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
-    /// ρ_A g, N/m².
+    /// ρ_A g, N/m²; 0 leaves gravity out.
     pub weight: f64,
-    /// B, N·m.
+    /// B, N·m; 0 leaves bending out.
     pub rigidity: f64,
     /// S, N/m; 0 leaves shear free.
     pub shear: f64,
@@ -53,31 +53,31 @@ pub struct GradedShell {
     setup: Setup,
     hem: f64,
     /// dR/dℓ.
-    growth: f64,
+    pub(super) growth: f64,
     /// Trapezoid weights of the half period; they sum to 2π.
-    weights: Vec<f64>,
-    sines: DMatrix<f64>,
-    slopes: DMatrix<f64>,
-    kernel: DMatrix<f64>,
+    pub(super) weights: Vec<f64>,
+    pub(super) sines: DMatrix<f64>,
+    pub(super) slopes: DMatrix<f64>,
+    pub(super) kernel: DMatrix<f64>,
     kernel_transposed: DMatrix<f64>,
-    slices: Vec<Slice>,
+    pub(super) slices: Vec<Slice>,
     /// Row q: weights of ∫₀^{ℓ_q} dℓ on the slices, m.
-    running: Vec<Vec<f64>>,
+    pub(super) running: Vec<Vec<f64>>,
 }
 
 #[derive(Debug, Clone)]
-struct Slice {
+pub(super) struct Slice {
     /// Fraction of the way from waist to hem along the slant.
-    fraction: f64,
+    pub fraction: f64,
     /// R, m.
-    ring: f64,
+    pub ring: f64,
     /// R of the cloth as it was cut, m: its area, which a stretch of the ring does not change.
-    cloth: f64,
+    pub cloth: f64,
     /// Weight of ∫ dℓ, m.
-    weight: f64,
+    pub weight: f64,
     /// ∫ R dℓ from here to the hem, m²: what hangs below.
-    below: f64,
-    basis: Vec<[f64; 3]>,
+    pub below: f64,
+    pub basis: Vec<[f64; 3]>,
 }
 
 /// One sweep's result: terms, and the gradient of their sum.
@@ -330,20 +330,27 @@ impl GradedShell {
                 let f2 = a * normal.0 + normal.1 * b - cs * normal.2;
                 let g2 = x2 * normal.0 + y2 * normal.1 - cl * normal.2;
                 let (m11, m12, m21, m22) = (e2 - f * f2, f2 - f * g2, e * f2 - f * e2, e * g2 - f * f2);
-                let trace = m11.square() + m12 * m21 * 2.0 + m22.square();
-                let w_inverse = w.recip();
-                let cubed = w_inverse.square() * w_inverse;
-                bending += trace * cubed * k_bending;
-                gravity += (x.square() + y.square()) / (c + 1.0) * k_gravity;
-
-                let trace_back = cubed * (2.0 * k_bending);
-                let w_back = trace * cubed * w_inverse * (-3.0 * k_bending);
-                let (b11, b12, b21, b22) = (trace_back * m11, trace_back * m21, trace_back * m12, trace_back * m22);
-                let e2_back = b11 - f * b21;
-                let f2_back = b12 - f * (b11 + b22) + e * b21;
-                let g2_back = e * b22 - f * b12;
-                let mut f_back = (f2 * (b11 + b22) + g2 * b12 + e2 * b21) * -1.0 - f * w_back * 2.0;
-                let mut e_back = f2 * b21 + g2 * b22 + w_back;
+                if k_gravity != 0.0 {
+                    gravity += (x.square() + y.square()) / (c + 1.0) * k_gravity;
+                }
+                let (mut e_back, mut f_back, e2_back, f2_back, g2_back) = if k_bending != 0.0 {
+                    let trace = m11.square() + m12 * m21 * 2.0 + m22.square();
+                    let w_inverse = w.recip();
+                    let cubed = w_inverse.square() * w_inverse;
+                    bending += trace * cubed * k_bending;
+                    let trace_back = cubed * (2.0 * k_bending);
+                    let w_back = trace * cubed * w_inverse * (-3.0 * k_bending);
+                    let (b11, b12, b21, b22) = (trace_back * m11, trace_back * m21, trace_back * m12, trace_back * m22);
+                    (
+                        f2 * b21 + g2 * b22 + w_back,
+                        (f2 * (b11 + b22) + g2 * b12 + e2 * b21) * -1.0 - f * w_back * 2.0,
+                        b11 - f * b21,
+                        b12 - f * (b11 + b22) + e * b21,
+                        e * b22 - f * b12,
+                    )
+                } else {
+                    (zero, zero, zero, zero, zero)
+                };
                 if k_shear != 0.0 {
                     let ratio = f / e;
                     shear += f * ratio * k_shear;

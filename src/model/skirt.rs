@@ -71,15 +71,7 @@ impl Cone {
 /// # Errors
 /// [`Error::Invalid`] unless the waist girth is positive, the hip no narrower than it, and h and L positive.
 pub fn from_body(waist_girth: Metre, hip_girth: Metre, hip_depth: Metre, slant_length: Metre) -> Result<Skirt, Error> {
-    let (waist, hip) = (waist_girth.0 / TAU, hip_girth.0 / TAU);
-    if !(hip.is_finite() && waist <= hip) {
-        return Err(Error::Invalid { quantity: "hip girth, m", value: hip_girth.0, allowed: ">= the waist girth" });
-    }
-    if !(hip_depth.0.is_finite() && 0.0 < hip_depth.0) {
-        return Err(Error::Invalid { quantity: "height between waist and hip, m", value: hip_depth.0, allowed: "> 0" });
-    }
-    let cos = (hip - waist) / (hip - waist).hypot(hip_depth.0);
-    Skirt::new(Metre(waist), Metre(waist + slant_length.0 * cos), slant_length)
+    Skirt::from_body(waist_girth, hip_girth, hip_depth, slant_length)
 }
 
 /// The paper's thin-shell test (1): δ = h_T/(2πR_t), and whether it is below 1/20. `thickness` in m.

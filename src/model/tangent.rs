@@ -19,19 +19,19 @@ use crate::numerics::minimize::{Expansion, Smooth};
 /// Sine series are odd about a crest, so half a fold says everything: nodes φ_n = mσ_n = πn/half, n = 0 … half.
 #[derive(Debug, Clone)]
 pub struct RuledShell {
-    folds: u32,
-    waist: f64,
-    hem: f64,
-    gravity: Gravity,
-    bending: Bending,
+    pub(super) folds: u32,
+    pub(super) waist: f64,
+    pub(super) hem: f64,
+    gravity: Option<Gravity>,
+    bending: Option<Bending>,
     /// Trapezoid weights of the half period; they sum to 2π.
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     /// sin kφ_n, row n, column k − 1.
-    sines: DMatrix<f64>,
+    pub(super) sines: DMatrix<f64>,
     /// km cos kφ_n: derivatives of the sines by σ.
-    slopes: DMatrix<f64>,
+    pub(super) slopes: DMatrix<f64>,
     /// (Re h, Im h) from (cos ψ, sin ψ), stacked.
-    kernel: DMatrix<f64>,
+    pub(super) kernel: DMatrix<f64>,
 }
 
 /// The energy of a hem, term by term, J.
@@ -54,8 +54,20 @@ pub fn half_nodes(harmonics: usize) -> usize {
 }
 
 impl RuledShell {
-    /// `half` intervals in half a fold, `slices` nodes along the slant.
+    /// `half` intervals in half a fold, `slices` nodes along the slant; `weight` is ρ_A g (N/m²), `rigidity` B (N·m).
     pub fn new(skirt: &Skirt, weight: f64, rigidity: f64, folds: u32, harmonics: usize, half: usize, slices: usize) -> Self {
+        RuledShell::with(skirt, (Some(weight), Some(rigidity)), folds, harmonics, half, slices)
+    }
+
+    /// The same without weight or without rigidity, where they are `None`.
+    pub fn with(
+        skirt: &Skirt,
+        (weight, rigidity): (Option<f64>, Option<f64>),
+        folds: u32,
+        harmonics: usize,
+        half: usize,
+        slices: usize,
+    ) -> Self {
         let (m, count) = (f64::from(folds), half + 1);
         let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
         let sines = DMatrix::from_fn(count, harmonics, |n, k| table[n * (k + 1) % (2 * half)].0);
@@ -66,8 +78,8 @@ impl RuledShell {
             folds,
             waist: skirt.waist_radius().0,
             hem: skirt.hem_radius().0,
-            gravity: Gravity::new(skirt, weight),
-            bending: Bending::new(skirt, rigidity, slices),
+            gravity: weight.map(|weight| Gravity::new(skirt, weight)),
+            bending: rigidity.map(|rigidity| Bending::new(skirt, rigidity, slices)),
             weights,
             sines,
             slopes,
@@ -79,6 +91,11 @@ impl RuledShell {
         self.folds
     }
 
+    /// Whether weight and rigidity are in.
+    pub fn has(&self) -> (bool, bool) {
+        (self.gravity.is_some(), self.bending.is_some())
+    }
+
     /// Gravity and bending of the hem with coefficients `a`; `None` where a generatrix does not reach it.
     pub fn budget(&self, a: &DVector<f64>) -> Option<Budget> {
         let (psi, slope) = (&self.sines * a, &self.slopes * a);
@@ -87,9 +104,13 @@ impl RuledShell {
         let mut budget = Budget { gravity: 0.0, bending: 0.0 };
         for n in 0..count {
             let (x, y) = (hem[n] - self.waist, hem[count + n]);
-            budget.gravity += self.weights[n] * self.gravity.density(x * x + y * y)?.value;
-            let (constant, quadratic) = self.bending.by_cos(psi[n].cos(), self.hem);
-            budget.bending += self.weights[n] * (constant[0] + quadratic[0] * slope[n] * slope[n]);
+            if let Some(gravity) = &self.gravity {
+                budget.gravity += self.weights[n] * gravity.density(x * x + y * y)?.value;
+            }
+            if let Some(bending) = &self.bending {
+                let (constant, quadratic) = bending.by_cos(psi[n].cos(), self.hem);
+                budget.bending += self.weights[n] * (constant[0] + quadratic[0] * slope[n] * slope[n]);
+            }
         }
         Some(budget)
     }
@@ -104,10 +125,14 @@ impl RuledShell {
         let mut sum = 0.0;
         for n in 0..count {
             let (x, y) = (hem[n] - self.waist, hem[count + n]);
-            // h is proportional to the hem's radius.
-            sum += self.weights[n] * self.gravity.density(x * x + y * y)?.first * 2.0 * (x * hem[n] + y * hem[count + n]) / self.hem;
-            let (constant, quadratic) = self.bending.density(Jet::<1>::constant(psi[n].cos()), Jet::variable(self.hem, 0));
-            sum += self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
+            if let Some(gravity) = &self.gravity {
+                // h is proportional to the hem's radius.
+                sum += self.weights[n] * gravity.density(x * x + y * y)?.first * 2.0 * (x * hem[n] + y * hem[count + n]) / self.hem;
+            }
+            if let Some(bending) = &self.bending {
+                let (constant, quadratic) = bending.density(Jet::<1>::constant(psi[n].cos()), Jet::variable(self.hem, 0));
+                sum += self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
+            }
         }
         Some(sum / TAU)
     }
@@ -151,20 +176,23 @@ impl Smooth for RuledShell {
         let mut second = DMatrix::<f64>::zeros(count, 3);
         for n in 0..count {
             let (x, y) = (image[(n, 0)] - self.waist, image[(count + n, 0)]);
-            let rise = self.gravity.density(x * x + y * y)?;
             let w = self.weights[n];
-            let (first, twist) = (2.0 * w * rise.first, 4.0 * w * rise.second);
-            value += w * rise.value;
-            force[n] = first * x;
-            force[count + n] = first * y;
-            for k in 0..harmonics {
-                let (tx, ty) = (tangent[(n, k)], tangent[(count + n, k)]);
-                let along = twist * (x * tx + y * ty);
-                loaded[(n, k)] = first * tx + along * x;
-                loaded[(count + n, k)] = first * ty + along * y;
+            if let Some(gravity) = &self.gravity {
+                let rise = gravity.density(x * x + y * y)?;
+                let (first, twist) = (2.0 * w * rise.first, 4.0 * w * rise.second);
+                value += w * rise.value;
+                force[n] = first * x;
+                force[count + n] = first * y;
+                for k in 0..harmonics {
+                    let (tx, ty) = (tangent[(n, k)], tangent[(count + n, k)]);
+                    let along = twist * (x * tx + y * ty);
+                    loaded[(n, k)] = first * tx + along * x;
+                    loaded[(count + n, k)] = first * ty + along * y;
+                }
             }
+            let Some(bending) = &self.bending else { continue };
             let (sin, cos) = psi[n].sin_cos();
-            let (constant, quadratic) = self.bending.by_cos(cos, self.hem);
+            let (constant, quadratic) = bending.by_cos(cos, self.hem);
             // From derivatives by cos ψ to derivatives by ψ.
             let by_angle = |b: &[f64; 3]| (-sin * b[1], sin * sin * b[2] - cos * b[1]);
             let ((c1, c2), (q1, q2)) = (by_angle(&constant), by_angle(&quadratic));
@@ -230,6 +258,7 @@ pub struct TangentHem {
     folds: u32,
     hem: f64,
     coefficients: Vec<f64>,
+    strains: Vec<f64>,
     /// h = Σ_j (modes_j.0 e^{ijφ} + modes_j.1 e^{−ijφ}).
     modes: Vec<(f64, f64)>,
 }
@@ -237,10 +266,19 @@ pub struct TangentHem {
 impl TangentHem {
     /// The closed curve of `folds` ≥ 2 folds and length 2π · `hem` (m) with coefficients a_1 … a_K, from `half` intervals in half a fold.
     pub fn new(folds: u32, hem: f64, coefficients: &[f64], half: usize) -> Self {
+        TangentHem::stretched(folds, hem, coefficients, &[], half)
+    }
+
+    /// The same stretched by ε(σ) = Σ_k strains[k] cos kmσ, k from 0.
+    pub fn stretched(folds: u32, hem: f64, coefficients: &[f64], strains: &[f64], half: usize) -> Self {
         let m = f64::from(folds);
         let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
         let psi = |n: usize| coefficients.iter().enumerate().map(|(k, a)| a * table[n * (k + 1) % (2 * half)].0).sum::<f64>();
-        let turned: Vec<(f64, f64)> = (0..=half).map(|n| psi(n).sin_cos()).collect();
+        let mut turned: Vec<(f64, f64)> = (0..=half).map(|n| psi(n).sin_cos()).collect();
+        for (n, (sin, cos)) in turned.iter_mut().enumerate().filter(|_| !strains.is_empty()) {
+            let length = 1.0 + strains.iter().enumerate().map(|(k, e)| e * table[n * k % (2 * half)].1).sum::<f64>();
+            (*sin, *cos) = (*sin * length, *cos * length);
+        }
         let weight = |n: usize| if n == 0 || n == half { 0.5 } else { 1.0 } / half as f64;
         let modes = (0..half).map(|j| {
             // w_{±j} = C_j ± S_j: e^{iψ} has an even real and an odd imaginary part, so its coefficients are real.
@@ -253,7 +291,7 @@ impl TangentHem {
             let jm = m * j as f64;
             if j == 0 { (hem * even, 0.0) } else { (hem * (even + odd) / (1.0 + jm), hem * (even - odd) / (1.0 - jm)) }
         });
-        TangentHem { folds, hem, coefficients: coefficients.to_vec(), modes: modes.collect() }
+        TangentHem { folds, hem, coefficients: coefficients.to_vec(), strains: strains.to_vec(), modes: modes.collect() }
     }
 
     /// h(φ) and dh/dφ at φ = mσ, m.
@@ -267,8 +305,12 @@ impl TangentHem {
         let psi: f64 = self.coefficients.iter().enumerate().map(|(k, a)| a * ((k + 1) as f64 * phi).sin()).sum();
         let m = f64::from(self.folds);
         let (sin, cos) = psi.sin_cos();
-        // From h − i m dh/dφ = R_n e^{iψ}.
-        ((x, y), (-(self.hem * sin - y) / m, (self.hem * cos - x) / m))
+        let stretched = match &self.strains[..] {
+            [] => self.hem,
+            strains => self.hem * (1.0 + strains.iter().enumerate().map(|(k, e)| e * (k as f64 * phi).cos()).sum::<f64>()),
+        };
+        // From h − i m dh/dφ = R_n (1 + ε) e^{iψ}.
+        ((x, y), (-(stretched * sin - y) / m, (stretched * cos - x) / m))
     }
 
     /// `n` points round the hem, equally spaced in cloth length, the first on a crest on the x axis, counter-clockwise, m.

@@ -36,6 +36,27 @@ impl<const N: usize> Jet<N> {
         out
     }
 
+    /// `outer` of these `inner` numbers, from its own jet by them.
+    pub fn compose<const M: usize>(outer: &Jet<M>, inner: &[Self; M]) -> Self {
+        let mut out = Jet::constant(outer.value);
+        for (a, x) in inner.iter().enumerate() {
+            for i in 0..N {
+                out.gradient[i] += outer.gradient[a] * x.gradient[i];
+                for j in 0..N {
+                    out.hessian[i][j] += outer.gradient[a] * x.hessian[i][j];
+                }
+            }
+            for (b, y) in inner.iter().enumerate() {
+                for i in 0..N {
+                    for j in 0..N {
+                        out.hessian[i][j] += outer.hessian[a][b] * x.gradient[i] * y.gradient[j];
+                    }
+                }
+            }
+        }
+        out
+    }
+
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root, -0.25 / (root * self.value))
@@ -146,6 +167,19 @@ mod tests {
     fn sample(x: Jet<2>, y: Jet<2>) -> Jet<2> {
         let (sin, cos) = (x * y).sin_cos();
         (x.square() + y * 3.0 - 0.5).sqrt() * sin / (cos.square() + 2.0) - -y.recip()
+    }
+
+    #[test]
+    fn composition_is_what_carrying_the_inner_jets_through_would_give() {
+        let (x, y) = (Jet::variable(0.7, 0), Jet::variable(1.3, 1));
+        let inner = [x * y + 0.4, x.square() - y];
+        let outer = sample(Jet::variable(inner[0].value, 0), Jet::variable(inner[1].value, 1));
+        let (composed, carried) = (Jet::compose(&outer, &inner), sample(inner[0], inner[1]));
+        for i in 0..2 {
+            // The same sums in another order.
+            assert!((composed.gradient[i] - carried.gradient[i]).abs() < 1e-13);
+            assert!((0..2).all(|j| (composed.hessian[i][j] - carried.hessian[i][j]).abs() < 1e-12));
+        }
     }
 
     #[test]

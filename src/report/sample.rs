@@ -51,6 +51,7 @@ fn analysed() -> CampaignStudy {
         bias_correction: true,
         gravity: 9.81,
         foundation_modulus: 0.0,
+        hanging: None,
         pictures: None,
         meshes: Default::default(),
         check: CheckRules::usual(0.05, vec!["p_mm".into()]),

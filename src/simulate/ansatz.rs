@@ -74,6 +74,8 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, effort: &Effor
         multiplier: Some(Multiplier { value: best.multiplier, unit: "N" }),
         turning: None,
         error_estimate: None,
+        contacts: Vec::new(),
+        screening: None,
     })
 }
 

@@ -2,11 +2,15 @@
 
 use nalgebra::{Cholesky, DVector, SymmetricEigen};
 
-use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
+use super::hanging::{contacts, energies};
+use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::Skirt;
+use crate::model::energy::shear::Shear;
+use crate::model::energy::{Gaps, Terms};
 use crate::model::graded::{GradedShell, HeightBasis, Setup};
-use crate::model::tangent::{TangentHem, half_nodes};
+use crate::model::graded_terms::GradedTerms;
+use crate::model::tangent::TangentHem;
 use crate::numerics::minimize::{Minimum, Options, Smooth, minimize};
 
 /// Harmonics and height modes that are right to some tenths of a millimetre on skirts. Chosen from `hemline study accuracy`: 0.1 mm, on the front of error
@@ -33,34 +37,58 @@ const CLOSE: f64 = 0.08;
 /// Nodes are doubled until the energy holds to this, relative: a thousandth of a millimetre of hem.
 const QUADRATURE: f64 = 1e-6;
 
+/// The same where a wall is in, which is only twice differentiable.
+const QUADRATURE_AT_WALLS: f64 = 1e-4;
+/// Intervals in half a fold and slices where a wall is in, at least: it is felt over a few millimetres only.
+const AT_WALLS: (usize, usize) = (32, 28);
+
 /// The hem of least energy over harmonics × modes unknowns, and over fold counts if they are free.
 pub(super) fn predict(
     skirt: &Skirt,
     cloth: &Cloth,
     folds: Folds,
-    (harmonics, modes): (usize, usize),
+    size: (usize, usize),
     shear: f64,
     effort: &Effort,
 ) -> Result<Prediction, Error> {
+    if !(shear.is_finite() && 0.0 <= shear) {
+        return Err(Error::Invalid { quantity: "shear stiffness, N/m", value: shear, allowed: ">= 0" });
+    }
+    let shear = (0.0 < shear).then(|| Shear::new(shear));
+    let terms = Terms { shear, ..Terms::usual(cloth.weight(), cloth.rigidity()) };
+    hang(skirt, cloth, &terms, folds, size, effort).map(|hung| hung.prediction)
+}
+
+/// A prediction with the shape that it comes from.
+pub(super) struct Hung {
+    pub prediction: Prediction,
+    /// `None` where the cone stays round.
+    pub shape: Option<(GradedTerms, DVector<f64>)>,
+}
+
+/// The same under any set of terms.
+pub(super) fn hang(
+    skirt: &Skirt,
+    cloth: &Cloth,
+    terms: &Terms,
+    folds: Folds,
+    (harmonics, modes): (usize, usize),
+    effort: &Effort,
+) -> Result<Hung, Error> {
     if !(1..=MOST.0).contains(&harmonics) {
         return Err(Error::Invalid { quantity: "harmonics", value: harmonics as f64, allowed: "1 to 12 for the graded shell" });
     }
     if !(2..=MOST.1).contains(&modes) {
         return Err(Error::Invalid { quantity: "height modes", value: modes as f64, allowed: "2 to 24" });
     }
-    if !(shear.is_finite() && 0.0 <= shear) {
-        return Err(Error::Invalid { quantity: "shear stiffness, N/m", value: shear, allowed: ">= 0" });
-    }
     ruled::refuse_disc(skirt)?;
-    let mut search = Search { skirt, cloth, shear, effort: *effort, evaluations: 0 };
-    let cone = search
-        .shell(2, COARSE.0, COARSE.1, 4, 4 * COARSE.3)
-        .budget(&DVector::zeros(COARSE.0 * COARSE.1))
-        .ok_or_else(|| Error::Unanswerable("the round cone has no finite energy".into()))?;
-    let round = cone.gravity + cone.bending;
+    let mut search = Search { skirt, cloth, terms, effort: *effort, evaluations: 0, counts: [0; 7] };
+    let (shell, at_cone) = search.cone()?;
+    let cone = shell.ledger(&at_cone).ok_or_else(no_cone)?;
+    let round = cone.total();
     // Sixteen intervals resolve three harmonics of folds as deep as cloth makes them; the layer below the waist asks for the slices.
     let (half, slices) = effort.sizes(16.max(6 * harmonics), 20.max(2 * modes + 8));
-    let full = (harmonics, modes, half, slices);
+    let full = search.size((harmonics, modes, half, slices));
     let mut notes = Vec::new();
     let (mut best, mut tried) = match folds {
         Folds::Exactly(m) => {
@@ -81,28 +109,24 @@ pub(super) fn predict(
         notes.push(format!("the round cone is stable against {m} folds: the cloth is too stiff for them"));
     }
     if best.branch.folds != 0 && !effort.fixed() && !search.verify(&mut best, full) {
-        notes
-            .push("the energy is not resolved to six digits: folds this deep are nearly creased, or generatrices nearly horizontal".into());
+        notes.push(if search.walls() {
+            "contact is sharper than the grid: the energy is not resolved to four digits".into()
+        } else {
+            "the energy is not resolved to six digits: folds this deep are nearly creased, or generatrices nearly horizontal".into()
+        });
     }
     tried.sort_by_key(|b| b.asked);
-    let terms = |gravity: f64, bending: f64, shearing: f64, evaluations: usize| {
-        let term = |term: &'static str, energy: f64| TermEnergy { term, energy, evaluations };
-        let mut terms = vec![term("gravity", gravity), term("bending", bending)];
-        if 0.0 < shear {
-            terms.push(term("shear", shearing));
-        }
-        terms
-    };
+    let radius = if shell.strains() == 0 { skirt.hem_radius().0 } else { shell.curve(&at_cone).radius_range().1 };
     let mut prediction = Prediction {
         fidelity: format!("graded(K = {harmonics}, J = {modes})"),
         folds: 0,
         energy: round,
         energy_unit: "J",
-        terms: terms(cone.gravity, cone.bending, 0.0, search.evaluations),
-        hem_radius_min: skirt.hem_radius().0,
-        hem_radius_max: skirt.hem_radius().0,
+        terms: energies(&cone, terms, search.evaluations, &search.counts),
+        hem_radius_min: radius,
+        hem_radius_max: radius,
         coefficients: Vec::new(),
-        outline: ruled::circle(skirt.hem_radius().0),
+        outline: ruled::circle(radius),
         termination: Termination::Round,
         evaluations: search.evaluations,
         branches: tried,
@@ -112,20 +136,30 @@ pub(super) fn predict(
         multiplier: None,
         turning: None,
         error_estimate: None,
+        contacts: Vec::new(),
+        screening: None,
     };
-    if best.branch.folds != 0 {
-        let budget = best.shell.budget(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
-        let curve = best.curve();
-        (prediction.hem_radius_min, prediction.hem_radius_max) = curve.radius_range();
-        prediction.folds = best.branch.folds;
-        prediction.multiplier = best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" });
-        prediction.energy = budget.gravity + budget.bending + budget.shear;
-        prediction.terms = terms(budget.gravity, budget.bending, budget.shear, search.evaluations);
-        prediction.coefficients = curve.coefficients().to_vec();
-        prediction.outline = curve.outline(ruled::outline_points(best.branch.folds));
-        prediction.termination = best.branch.termination;
+    if best.branch.folds == 0 {
+        prediction.contacts = contacts(terms, &shell.gaps(&at_cone));
+        return Ok(Hung { prediction, shape: None });
     }
-    Ok(prediction)
+    let gaps = if search.walls() { search.clear(&mut best) } else { Gaps::default() };
+    let ledger = best.shell.ledger(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
+    let curve = best.curve();
+    (prediction.hem_radius_min, prediction.hem_radius_max) = curve.radius_range();
+    prediction.folds = best.branch.folds;
+    prediction.multiplier = best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" });
+    prediction.energy = ledger.total();
+    prediction.terms = energies(&ledger, terms, search.evaluations, &search.counts);
+    prediction.coefficients = curve.coefficients().to_vec();
+    prediction.outline = curve.outline(ruled::outline_points(best.branch.folds));
+    prediction.termination = best.branch.termination;
+    prediction.contacts = contacts(terms, &gaps);
+    Ok(Hung { prediction, shape: Some((best.shell, best.minimum.x)) })
+}
+
+fn no_cone() -> Error {
+    Error::Unanswerable("the round cone has no finite energy".into())
 }
 
 /// Flexural rigidity (N·m) above which the round cone is stable against `folds` folds of the graded shell; `None` if it is stable at any.
@@ -149,7 +183,7 @@ pub fn threshold_rigidity(skirt: &Skirt, weight: f64, shear: f64, folds: u32) ->
 }
 
 struct State {
-    shell: GradedShell,
+    shell: GradedTerms,
     minimum: Minimum,
     branch: Branch,
 }
@@ -157,45 +191,55 @@ struct State {
 impl State {
     /// The hem, its crest on the axis.
     fn curve(&self) -> TangentHem {
-        let mut hem = self.shell.hem_coefficients(&self.minimum.x);
-        // A shift by half a fold flips the odd coefficients together.
-        if hem[0] < 0.0 {
-            hem.iter_mut().step_by(2).for_each(|a| *a = -*a);
-        }
-        TangentHem::new(self.branch.asked, self.shell.hem_radius(), hem.as_slice(), 2 * half_nodes(hem.len()))
+        self.shell.curve(&self.minimum.x)
     }
 }
 
 struct Search<'a> {
     skirt: &'a Skirt,
     cloth: &'a Cloth,
-    shear: f64,
+    terms: &'a Terms,
     effort: Effort,
     evaluations: usize,
+    /// Of each term.
+    counts: [usize; 7],
 }
 
 impl Search<'_> {
-    fn shell(&self, folds: u32, harmonics: usize, modes: usize, half: usize, slices: usize) -> GradedShell {
+    fn shell(&self, folds: u32, harmonics: usize, modes: usize, half: usize, slices: usize) -> GradedTerms {
         // Over about one gravity length below the waist cloth resists the square-root opening that inextensible rings ask for.
         let width = (self.cloth.gravity_length() / self.skirt.slant_length().0).clamp(1e-4, 1.0);
-        let setup = Setup {
-            weight: self.cloth.weight(),
-            rigidity: self.cloth.rigidity(),
-            shear: self.shear,
-            folds,
-            harmonics,
-            modes,
-            basis: HeightBasis::Layer { width },
-            half,
-            slices,
-        };
-        GradedShell::new(self.skirt, setup)
+        let basis = HeightBasis::Layer { width };
+        let setup = Setup { weight: 0.0, rigidity: 0.0, shear: 0.0, folds, harmonics, modes, basis, half, slices };
+        GradedTerms::new(self.skirt, self.terms, setup)
+    }
+
+    fn walls(&self) -> bool {
+        self.terms.body.is_some() || self.terms.folds.is_some()
+    }
+
+    /// A size, made fine enough for walls.
+    fn size(&self, (harmonics, modes, half, slices): Size) -> Size {
+        if self.walls() { (harmonics, modes, half.max(AT_WALLS.0), slices.max(AT_WALLS.1)) } else { (harmonics, modes, half, slices) }
+    }
+
+    /// The round cone and its strains.
+    fn cone(&mut self) -> Result<(GradedTerms, DVector<f64>), Error> {
+        if self.terms.stretch.is_none() {
+            return Ok((self.shell(2, COARSE.0, COARSE.1, 4, 4 * COARSE.3), DVector::zeros(COARSE.0 * COARSE.1)));
+        }
+        // No fold is among the unknowns: the cone alone stretches.
+        let shell = self.shell(2, 0, 3, 4, 4 * COARSE.3);
+        let minimum = minimize(&shell, DVector::zeros(shell.strains()), &Options::default()).ok_or_else(no_cone)?;
+        self.evaluations += minimum.evaluations;
+        self.counts.iter_mut().zip(shell.evaluations()).for_each(|(sum, more)| *sum += more);
+        Ok((shell, minimum.x))
     }
 
     /// The size of a first solution on the way to `full`.
     fn coarse(&self, full: Size) -> Size {
         let (harmonics, modes, half, slices) = if self.skirt.conicity() < FLAT { COARSE } else { COARSE_FLAT };
-        (harmonics.min(full.0), modes.min(full.1), half, slices)
+        self.size((harmonics.min(full.0), modes.min(full.1), half, slices))
     }
 
     /// The branch of `folds` folds: a few modes first, then all; or from `start` (harmonics, modes, coefficients).
@@ -211,7 +255,7 @@ impl Search<'_> {
             None => {
                 let (k, j, half, slices) = self.coarse(size);
                 let shell = self.shell(folds, k, j, half, slices);
-                let mut first = DVector::zeros(k * j);
+                let mut first = DVector::zeros(k * j + shell.strains());
                 first[0] = 1.0;
                 let minimum = self.descend(&shell, first);
                 self.describe(shell, minimum, round)
@@ -225,11 +269,13 @@ impl Search<'_> {
     }
 
     /// Downhill from `start`, drawn in towards the cone until every generatrix is long enough.
-    fn descend(&mut self, shell: &GradedShell, mut start: DVector<f64>) -> Minimum {
+    fn descend(&mut self, shell: &GradedTerms, mut start: DVector<f64>) -> Minimum {
         let options = Options { evaluations: EVALUATIONS, ..Options::default() };
         loop {
+            let spent = shell.evaluations();
             if let Some(minimum) = minimize(shell, start.clone(), &options) {
                 self.evaluations += minimum.evaluations;
+                self.counts.iter_mut().zip(shell.evaluations()).zip(spent).for_each(|((sum, now), before)| *sum += now - before);
                 return minimum;
             }
             start *= 0.7;
@@ -240,7 +286,7 @@ impl Search<'_> {
         }
     }
 
-    fn describe(&self, shell: GradedShell, minimum: Minimum, round: f64) -> State {
+    fn describe(&self, shell: GradedTerms, minimum: Minimum, round: f64) -> State {
         let (asked, harmonics, modes) = (shell.setup().folds, shell.setup().harmonics, shell.setup().modes);
         let sizes = DVector::from_fn(harmonics, |k, _| minimum.x.rows(k * modes, modes).norm());
         // The cone's energy is an integral of smooth functions, but on other nodes than this shell's: a part in 10⁹ tells folds from rounding.
@@ -265,7 +311,7 @@ impl Search<'_> {
 
     /// The branch of least energy: a coarse walk over fold counts from where the ruled shell has its minimum, then the close ones in full.
     fn least(&mut self, full: Size, round: f64) -> Result<(State, Vec<Branch>), Error> {
-        let rough = ruled::predict(self.skirt, self.cloth, Folds::Auto, 1, &Effort::default())?;
+        let rough = self.rough()?;
         self.evaluations += rough.evaluations;
         // Where even the ruled shell, which folds more readily, stays round, its least stable fold count is asked.
         let from = if rough.folds != 0 { rough.folds } else { 3 };
@@ -274,7 +320,10 @@ impl Search<'_> {
         let mut least = walked[0].branch.energy;
         for direction in [1_i64, -1] {
             let (mut m, mut failures) = (i64::from(from) + direction, 0_u32);
-            while 2 <= m && m <= i64::from(ruled::MOST_FOLDS) && failures < self.effort.patience {
+            // A term that resists folds can leave only few of them, far from where the ruled shell has its minimum.
+            let (usual, down) = (self.effort.patience, direction < 0 && self.terms.beyond_usual());
+            let patience = |least: f64| if down && round <= least { u32::MAX } else { usual };
+            while 2 <= m && m <= i64::from(ruled::MOST_FOLDS) && failures < patience(least) {
                 let state = self.solve(m as u32, coarse, None, round);
                 if state.branch.folds != 0 && state.branch.energy < least {
                     (least, failures) = (state.branch.energy, 0);
@@ -306,14 +355,40 @@ impl Search<'_> {
         Ok((best, tried))
     }
 
+    /// The ruled shell's answer, from where the walk over fold counts starts.
+    fn rough(&self) -> Result<Prediction, Error> {
+        // Walls and stretch shift it little, and the walk goes on from there; a weave that resists shear folds far less.
+        let terms = Terms { stretch: None, body: None, folds: None, ..*self.terms };
+        // What the graded sweep alone has, the walk has always found from the shell of weight and rigidity.
+        let usual = Terms { shear: None, ..terms };
+        Ok(ruled::hang(self.skirt, self.cloth, &usual, Folds::Auto, 1, &Effort::default())?.prediction)
+    }
+
+    /// The gaps on twice the nodes of the solution; where cloth went through a wall between those, the solution is found on these.
+    fn clear(&mut self, best: &mut State) -> Gaps {
+        let Setup { harmonics, modes, half, slices, .. } = *best.shell.setup();
+        let fine = self.shell(best.branch.asked, harmonics, modes, 2 * half, 2 * slices);
+        let gaps = fine.gaps(&best.minimum.x);
+        if !gaps.closed() {
+            return gaps;
+        }
+        let start = best.minimum.x.clone();
+        best.minimum = self.descend(&fine, start);
+        best.branch.termination = best.minimum.ending.into();
+        best.branch.energy = best.minimum.at.value;
+        best.shell = fine;
+        best.shell.gaps(&best.minimum.x)
+    }
+
     /// Doubles the nodes until the energy holds; whether it did.
     fn verify(&mut self, best: &mut State, full: Size) -> bool {
         let (harmonics, modes, mut half, mut slices) = full;
-        for _ in 0..2 {
+        let (rounds, quadrature) = if self.walls() { (1, QUADRATURE_AT_WALLS) } else { (2, QUADRATURE) };
+        for _ in 0..rounds {
             (half, slices) = (2 * half, 2 * slices);
             let fine = self.shell(best.branch.asked, harmonics, modes, half, slices);
-            let energy = fine.budget(&best.minimum.x).map(|b| b.gravity + b.bending + b.shear);
-            if energy.is_some_and(|e| (e - best.minimum.at.value).abs() <= QUADRATURE * e) {
+            let energy = fine.ledger(&best.minimum.x).map(|ledger| ledger.total());
+            if energy.is_some_and(|e| (e - best.minimum.at.value).abs() <= quadrature * e) {
                 return true;
             }
             let start = best.minimum.x.clone();
@@ -328,7 +403,10 @@ impl Search<'_> {
 
 /// Coefficients of a smaller expansion as those of a larger one.
 fn pad(alpha: &DVector<f64>, from: &Setup, harmonics: usize, modes: usize) -> DVector<f64> {
-    let mut out = DVector::zeros(harmonics * modes);
+    // Strains follow the coefficients, as many in every size.
+    let (own, strains) = (from.harmonics * from.modes, alpha.len() - from.harmonics * from.modes);
+    let mut out = DVector::zeros(harmonics * modes + strains);
+    out.rows_mut(harmonics * modes, strains).copy_from(&alpha.rows(own, strains));
     for k in 0..from.harmonics.min(harmonics) {
         for j in 0..from.modes.min(modes) {
             out[k * modes + j] = alpha[k * from.modes + j];

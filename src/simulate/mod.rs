@@ -3,15 +3,21 @@
 pub mod ansatz;
 mod effort;
 pub mod graded;
+mod hanging;
+mod movement;
 pub mod polar;
 mod projection;
 pub mod ruled;
+pub mod scene;
+pub mod screen;
 mod tolerance;
 
 use serde::Serialize;
 
 pub use effort::Effort;
 pub use polar::Turning;
+pub use scene::{predict_scene, screen_scene};
+pub use screen::{Screened, Screening};
 
 use crate::error::Error;
 use crate::experiment::{Fabric, Point, Skirt};
@@ -166,6 +172,22 @@ pub struct Prediction {
     pub multiplier: Option<Multiplier>,
     /// Turning points of the paper's equation (4).
     pub turning: Option<Turning>,
+    /// The walls that are in: the body's, and those between folds.
+    pub contacts: Vec<Contact>,
+    /// Why which terms are in, where that was left to the screen.
+    pub screening: Option<Screening>,
+}
+
+/// A wall that cloth leans on, and how near it comes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Contact {
+    pub term: &'static str,
+    /// κ of the barrier, N/m³.
+    pub stiffness: f64,
+    /// From how far it is felt, m.
+    pub reach: f64,
+    /// The smallest gap of the solution, m, on twice the nodes or more that it was found on; `None` where no cloth can touch.
+    pub smallest_gap: Option<f64>,
 }
 
 /// What a longer hem would cost or save.
@@ -195,7 +217,9 @@ impl Prediction {
 /// the theory does not apply: a cone of base angle 0 (a drape tester) has no straight generatrices to hang from.
 pub fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
     let Some(tolerance) = options.tolerance else { return predict_once(skirt, fabric, options) };
-    tolerance::predict(skirt, fabric, options, tolerance.0)
+    tolerance::predict(options.fidelity, options.folds, tolerance.0, |fidelity, folds| {
+        predict_once(skirt, fabric, &Options { fidelity, folds, tolerance: None, ..*options })
+    })
 }
 
 fn predict_once(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Prediction, Error> {
@@ -213,10 +237,15 @@ fn predict_once(skirt: &Skirt, fabric: &Fabric, options: &Options) -> Result<Pre
         Fidelity::Ansatz => ansatz::predict(skirt, &cloth, options.folds, &options.effort),
         Fidelity::Polar { foundation } => polar::predict(skirt, cloth.weight(), foundation, options.folds, &options.effort),
     }?;
+    project(&mut prediction);
+    Ok(prediction)
+}
+
+/// The paper's curve nearest to a hem that has none yet.
+fn project(prediction: &mut Prediction) {
     if prediction.hem.is_none() && prediction.folds != 0 {
         (prediction.hem, prediction.hem_rms) = projection::onto_paper_curve(&prediction.outline, prediction.folds).unzip();
     }
-    Ok(prediction)
 }
 
 /// Cloth in a field of gravity, checked: weight per area ρ_A g (N/m²) and flexural rigidity B (N·m), both positive.

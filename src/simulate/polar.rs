@@ -95,6 +95,8 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds,
         multiplier: Some(Multiplier { value: turning.lambda, unit: "N/m²" }),
         turning: Some(turning),
         error_estimate: None,
+        contacts: Vec::new(),
+        screening: None,
     })
 }
 
@@ -130,6 +132,8 @@ fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> 
         multiplier: None,
         turning: None,
         error_estimate: None,
+        contacts: Vec::new(),
+        screening: None,
     }
 }
 

@@ -2,12 +2,15 @@
 
 use nalgebra::DVector;
 
-use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, TermEnergy, Termination};
+use super::hanging::{contacts, energies};
+use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, Termination};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
 use crate::model::energy::gravity::Gravity;
-use crate::model::tangent::{RuledShell, TangentHem, half_nodes};
+use crate::model::energy::{Gaps, Terms};
+use crate::model::ruled_terms::RuledTerms;
+use crate::model::tangent::{TangentHem, half_nodes};
 use crate::numerics::minimize::{Minimum, Options, minimize};
 
 /// Harmonics unless told otherwise: the hem is then right to a few hundredths of a millimetre, far inside what the theory neglects. Chosen from `hemline
@@ -24,17 +27,32 @@ const QUADRATURE: f64 = 1e-11;
 /// A branch that gains less than this over the round cone, relative, is the round cone.
 pub(super) const ROUNDING: f64 = 1e-14;
 
+/// Nodes are doubled until the energy holds to this where a wall is in, which is only twice differentiable.
+const QUADRATURE_AT_WALLS: f64 = 1e-5;
+/// A branch that gains less than this over the round cone is the round cone, where more than weight and rigidity is in.
+const ROUNDING_OF_TERMS: f64 = 1e-11;
+
 /// The hem of least energy over `harmonics` coefficients, and over fold counts if they are free.
 pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usize, effort: &Effort) -> Result<Prediction, Error> {
+    hang(skirt, cloth, &Terms::usual(cloth.weight(), cloth.rigidity()), folds, harmonics, effort).map(|hung| hung.prediction)
+}
+
+/// A prediction with the shape that it comes from.
+pub(super) struct Hung {
+    pub prediction: Prediction,
+    /// `None` where the cone stays round.
+    pub shape: Option<(RuledTerms, DVector<f64>)>,
+}
+
+/// The same under any set of terms.
+pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, harmonics: usize, effort: &Effort) -> Result<Hung, Error> {
     if !(1..=MOST_HARMONICS).contains(&harmonics) {
         return Err(Error::Invalid { quantity: "harmonics", value: harmonics as f64, allowed: "1 to 32" });
     }
     refuse_disc(skirt)?;
-    let mut search = Search { skirt, cloth, effort: *effort, evaluations: 0 };
-    let round = search
-        .shell(2, 1, 1)
-        .budget(&DVector::zeros(1))
-        .ok_or_else(|| Error::Unanswerable("the round cone has no finite energy".into()))?;
+    let mut search = Search { skirt, cloth, terms, effort: *effort, evaluations: 0, counts: [0; 7] };
+    let (cone, at_cone) = search.cone()?;
+    let round = cone.ledger(&at_cone).ok_or_else(no_cone)?;
     let round_energy = round.total();
     let (mut tried, mut notes) = (Vec::new(), notes_on(skirt, cloth));
     let mut best = match folds {
@@ -58,13 +76,14 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
     }
     tried.sort_by_key(|b| b.asked);
     if best.branch.termination == Termination::Round {
-        let radius = skirt.hem_radius().0;
-        return Ok(Prediction {
+        let curve = cone.curve(&at_cone);
+        let radius = if cone.strains() == 0 { skirt.hem_radius().0 } else { curve.radius_range().1 };
+        let prediction = Prediction {
             fidelity: format!("ruled(K = {harmonics})"),
             folds: 0,
             energy: round_energy,
             energy_unit: "J",
-            terms: terms(round.gravity, round.bending, search.evaluations),
+            terms: energies(&round, terms, search.evaluations, &search.counts),
             hem_radius_min: radius,
             hem_radius_max: radius,
             coefficients: Vec::new(),
@@ -78,20 +97,28 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             multiplier: None,
             turning: None,
             error_estimate: None,
-        });
+            contacts: contacts(terms, &cone.gaps(&at_cone)),
+            screening: None,
+        };
+        return Ok(Hung { prediction, shape: None });
     }
     if !effort.fixed() && !search.verify(&mut best) {
-        notes.push("the hem is so nearly creased that its energy is not resolved to ten digits".into());
+        notes.push(if terms.body.is_some() || terms.folds.is_some() {
+            "contact is sharper than the grid: the energy is not resolved to five digits".into()
+        } else {
+            "the hem is so nearly creased that its energy is not resolved to ten digits".into()
+        });
     }
+    let gaps = if search.walls() { search.clear(&mut best) } else { Gaps::default() };
     let curve = best.curve();
     let (low, high) = curve.radius_range();
-    let budget = best.shell.budget(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
-    Ok(Prediction {
+    let ledger = best.shell.ledger(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
+    let prediction = Prediction {
         fidelity: format!("ruled(K = {harmonics})"),
         folds: best.branch.folds,
-        energy: budget.total(),
+        energy: ledger.total(),
         energy_unit: "J",
-        terms: terms(budget.gravity, budget.bending, search.evaluations),
+        terms: energies(&ledger, terms, search.evaluations, &search.counts),
         hem_radius_min: low,
         hem_radius_max: high,
         coefficients: curve.coefficients().to_vec(),
@@ -105,7 +132,14 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         multiplier: best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" }),
         turning: None,
         error_estimate: None,
-    })
+        contacts: contacts(terms, &gaps),
+        screening: None,
+    };
+    Ok(Hung { prediction, shape: Some((best.shell, best.minimum.x)) })
+}
+
+fn no_cone() -> Error {
+    Error::Unanswerable("the round cone has no finite energy".into())
 }
 
 /// A lean of all the slant is a drape tester's disc; the rise √(L² − |d|²) has no derivative there.
@@ -121,10 +155,6 @@ pub(super) fn refuse_disc(skirt: &Skirt) -> Result<(), Error> {
 pub(super) fn outline_points(folds: u32) -> usize {
     let m = folds.max(1) as usize;
     m * OUTLINE.div_ceil(m)
-}
-
-fn terms(gravity: f64, bending: f64, evaluations: usize) -> Vec<TermEnergy> {
-    vec![TermEnergy { term: Gravity::NAME, energy: gravity, evaluations }, TermEnergy { term: Bending::NAME, energy: bending, evaluations }]
 }
 
 pub(super) fn circle(radius: f64) -> Vec<Point> {
@@ -172,15 +202,21 @@ const WALK: usize = 4;
 const CLOSE: f64 = 2e-3;
 
 struct State {
-    shell: RuledShell,
+    shell: RuledTerms,
     minimum: Minimum,
     branch: Branch,
 }
 
 impl State {
-    /// Coefficients of the true period, a_1 > 0, as many as there are.
+    /// Unknowns of the true period, a_1 > 0, as many as there are; strains start anew.
     fn canonical(&self) -> DVector<f64> {
-        canonical(&self.minimum.x, self.branch.folds / self.branch.asked)
+        let own = canonical(&self.shell.coefficients(&self.minimum.x), self.branch.folds / self.branch.asked);
+        let before = self.shell.strains();
+        DVector::from_fn(before + own.len(), |i, _| if i < before { 0.0 } else { own[i - before] })
+    }
+
+    fn harmonics(&self) -> usize {
+        self.minimum.x.len() - self.shell.strains()
     }
 
     fn curve(&self) -> TangentHem {
@@ -219,29 +255,61 @@ fn levels(harmonics: usize) -> impl Iterator<Item = usize> {
 struct Search<'a> {
     skirt: &'a Skirt,
     cloth: &'a Cloth,
+    terms: &'a Terms,
     effort: Effort,
     evaluations: usize,
+    /// Of each term.
+    counts: [usize; 7],
 }
 
 impl Search<'_> {
     /// `fineness` multiplies the nodes of both quadratures.
-    fn shell(&self, folds: u32, harmonics: usize, fineness: usize) -> RuledShell {
+    fn shell(&self, folds: u32, harmonics: usize, fineness: usize) -> RuledTerms {
+        // A wall is felt over a few millimetres only.
+        let fineness = if self.walls() { 2 * fineness } else { fineness };
         let (half, slices) = self.effort.sizes(half_nodes(harmonics), Bending::NODES);
         let (half, slices) = (fineness * half, fineness * slices);
-        RuledShell::new(self.skirt, self.cloth.weight(), self.cloth.rigidity(), folds, harmonics, half, slices)
+        RuledTerms::new(self.skirt, self.terms, folds, harmonics, half, slices)
+    }
+
+    fn walls(&self) -> bool {
+        self.terms.body.is_some() || self.terms.folds.is_some()
+    }
+
+    /// The round cone and its strains.
+    fn cone(&mut self) -> Result<(RuledTerms, DVector<f64>), Error> {
+        if self.terms.stretch.is_none() {
+            return Ok((self.shell(2, 1, 1), DVector::zeros(1)));
+        }
+        // No fold is among the unknowns: the cone alone stretches.
+        let shell = self.shell(2, 0, 1);
+        let minimum = minimize(&shell, DVector::zeros(shell.strains()), &Options::default()).ok_or_else(no_cone)?;
+        self.evaluations += minimum.evaluations;
+        self.count(&shell);
+        Ok((shell, minimum.x))
+    }
+
+    fn count(&mut self, shell: &RuledTerms) {
+        self.counts.iter_mut().zip(shell.evaluations()).for_each(|(sum, more)| *sum += more);
+    }
+
+    /// What a branch must gain over the round cone, relative.
+    fn rounding(&self) -> f64 {
+        if self.terms.beyond_usual() { ROUNDING_OF_TERMS } else { ROUNDING }
     }
 
     /// The branch of `folds` folds, from one harmonic upward, or from `start`.
     fn solve(&mut self, folds: u32, harmonics: usize, start: Option<&DVector<f64>>, round: f64) -> State {
-        let mut a = start.cloned().unwrap_or_else(|| DVector::from_element(1, 1.0));
+        let before = RuledTerms::strains_under(self.terms);
+        let mut a = start.cloned().unwrap_or_else(|| DVector::from_fn(before + 1, |i, _| if i < before { 0.0 } else { 1.0 }));
         let mut reached = None;
-        for level in levels(harmonics).filter(|k| a.len() <= *k).collect::<Vec<_>>() {
+        for level in levels(harmonics).filter(|k| a.len() - before <= *k).collect::<Vec<_>>() {
             let shell = self.shell(folds, level, 1);
-            a = a.resize_vertically(level, 0.0);
+            a = a.resize_vertically(before + level, 0.0);
             let minimum = self.descend(&shell, &a);
             a = minimum.x.clone();
             // Without folds at one harmonic there is nothing to refine.
-            let flat = round - minimum.at.value <= ROUNDING * round;
+            let flat = round - minimum.at.value <= self.rounding() * round;
             reached = Some((shell, minimum));
             if flat {
                 break;
@@ -257,11 +325,13 @@ impl Search<'_> {
     }
 
     /// Downhill from `a`, drawn in towards the round cone until every generatrix reaches the hem.
-    fn descend(&mut self, shell: &RuledShell, a: &DVector<f64>) -> Minimum {
+    fn descend(&mut self, shell: &RuledTerms, a: &DVector<f64>) -> Minimum {
         let mut start = a.clone();
         loop {
+            let spent = shell.evaluations();
             if let Some(minimum) = minimize(shell, start.clone(), &Options::default()) {
                 self.evaluations += minimum.evaluations;
+                self.counts.iter_mut().zip(shell.evaluations()).zip(spent).for_each(|((sum, now), before)| *sum += now - before);
                 return minimum;
             }
             start *= 0.5;
@@ -272,12 +342,14 @@ impl Search<'_> {
         }
     }
 
-    fn describe(&self, shell: &RuledShell, minimum: &mut Minimum, round: f64) -> Branch {
+    fn describe(&self, shell: &RuledTerms, minimum: &mut Minimum, round: f64) -> Branch {
         let asked = shell.folds();
         let lowest_curvature = Some(minimum.lowest_curvature());
-        let harmonics = Some(minimum.x.len());
-        let threshold_rigidity = threshold_rigidity(self.skirt, self.cloth.weight(), asked);
-        if round - minimum.at.value <= ROUNDING * round {
+        let before = shell.strains();
+        let harmonics = Some(minimum.x.len() - before);
+        let usual = self.terms.gravity.is_some() && self.terms.bending.is_some() && !self.terms.beyond_usual();
+        let threshold_rigidity = if usual { threshold_rigidity(self.skirt, self.cloth.weight(), asked) } else { None };
+        if round - minimum.at.value <= self.rounding() * round {
             return Branch {
                 asked,
                 folds: 0,
@@ -289,9 +361,15 @@ impl Search<'_> {
                 termination: Termination::Round,
             };
         }
-        let step = period(&minimum.x);
+        let coefficients = shell.coefficients(&minimum.x);
+        let step = period(&coefficients);
         if step == 1 {
-            minimum.x = canonical(&minimum.x, 1);
+            let own = canonical(&coefficients, 1);
+            // The shift by half a fold that puts a crest on the axis turns the odd strains as well.
+            if own[0] != coefficients[0] {
+                (0..before).filter(|i| i % (before / 2) % 2 == 1).for_each(|i| minimum.x[i] = -minimum.x[i]);
+            }
+            minimum.x.rows_mut(before, own.len()).copy_from(&own);
         }
         let (low, high) = shell.curve(&minimum.x).radius_range();
         Branch {
@@ -389,17 +467,38 @@ impl Search<'_> {
     /// No fold count above this one can fold: there the bending of the second variation outweighs all that gravity can give.
     fn most_unstable(&self) -> u32 {
         let (hem, lean) = (self.skirt.hem_radius().0, self.skirt.hem_radius().0 - self.skirt.waist_radius().0);
-        let Some(rise) = Gravity::new(self.skirt, self.cloth.weight()).density(lean * lean) else { return MOST_FOLDS };
+        let weight = self.terms.gravity.map_or(Some(0.0), |weight| Some(Gravity::new(self.skirt, weight).density(lean * lean)?.first));
+        let Some(weight) = weight else { return MOST_FOLDS };
+        // The foundation draws inwards like a weight: ∫ (E/2) u² dA per |d|².
+        let springs = self.terms.foundation.map_or(0.0, |foundation| {
+            0.5 * foundation.modulus() * self.skirt.slant_length().0 * (self.skirt.waist_radius().0 / 3.0 + lean / 4.0)
+        });
         let (_, along) = unit_bending(self.skirt);
-        (rise.first * lean * hem / (self.cloth.rigidity() * along)).sqrt().min(f64::from(MOST_FOLDS)) as u32
+        ((weight + springs) * lean * hem / (self.cloth.rigidity() * along)).sqrt().min(f64::from(MOST_FOLDS)) as u32
+    }
+
+    /// The gaps on a grid that is finer than the solution's; where cloth went through a wall between its nodes, the solution is found on that one.
+    fn clear(&mut self, best: &mut State) -> Gaps {
+        let fine = self.shell(best.shell.folds(), best.harmonics(), 4);
+        let gaps = fine.gaps(&best.minimum.x);
+        if !gaps.closed() {
+            return gaps;
+        }
+        let start = best.minimum.x.clone();
+        best.minimum = self.descend(&fine, &start);
+        best.branch.termination = best.minimum.ending.into();
+        best.branch.energy = best.minimum.at.value;
+        best.shell = fine;
+        best.shell.gaps(&best.minimum.x)
     }
 
     /// Doubles the nodes until the energy holds; whether it did.
     fn verify(&mut self, best: &mut State) -> bool {
-        let (folds, harmonics) = (best.shell.folds(), best.minimum.x.len());
-        for fineness in [2, 4, 8] {
+        let (folds, harmonics) = (best.shell.folds(), best.harmonics());
+        let (levels, quadrature): (&[usize], f64) = if self.walls() { (&[2, 4], QUADRATURE_AT_WALLS) } else { (&[2, 4, 8], QUADRATURE) };
+        for &fineness in levels {
             let fine = self.shell(folds, harmonics, fineness);
-            let agreed = fine.budget(&best.minimum.x).is_some_and(|b| (b.total() - best.minimum.at.value).abs() <= QUADRATURE * b.total());
+            let agreed = fine.ledger(&best.minimum.x).is_some_and(|l| (l.total() - best.minimum.at.value).abs() <= quadrature * l.total());
             if agreed {
                 return true;
             }

@@ -1,37 +1,41 @@
 //! Accuracy asked, accuracy given: unknowns are added until the hem stops moving.
 
-use super::{Fidelity, Folds, Options, Prediction, predict_once};
+use super::{Fidelity, Folds, Prediction};
 use crate::error::Error;
-use crate::experiment::{Fabric, Skirt};
 
 /// Harmonics of the ruled shell, level by level.
 const RULED: [usize; 7] = [2, 4, 8, 12, 16, 24, 32];
 /// Harmonics and modes of the graded shell.
 const GRADED: [(usize, usize); 7] = [(2, 4), (3, 6), (4, 8), (5, 10), (6, 12), (8, 16), (10, 20)];
 
-/// Refines until the hem moves by less than `tolerance` (m) from one level to the next; the last move is the error estimate.
+/// Refines `once` until the hem moves by less than `tolerance` (m) from one level to the next; the last move is the error estimate.
 ///
 /// Both families converge geometrically, so what is left is smaller than the last move. Where the last level still moves more, a note says so.
-pub(super) fn predict(skirt: &Skirt, fabric: &Fabric, options: &Options, tolerance: f64) -> Result<Prediction, Error> {
+pub(super) fn predict(
+    asked: Fidelity,
+    counts: Folds,
+    tolerance: f64,
+    once: impl Fn(Fidelity, Folds) -> Result<Prediction, Error>,
+) -> Result<Prediction, Error> {
     if !(tolerance.is_finite() && 0.0 < tolerance) {
         return Err(Error::Invalid { quantity: "tolerance, m", value: tolerance, allowed: "> 0" });
     }
-    let levels: Vec<Fidelity> = match options.fidelity {
+    let levels: Vec<Fidelity> = match asked {
         Fidelity::Ruled { .. } => RULED.iter().map(|k| Fidelity::Ruled { harmonics: *k }).collect(),
         Fidelity::Graded { shear, .. } => GRADED.iter().map(|(k, j)| Fidelity::Graded { harmonics: *k, modes: *j, shear }).collect(),
         fixed => vec![fixed],
     };
     let mut last: Option<Prediction> = None;
-    let (mut evaluations, mut folds) = (0, options.folds);
+    let (mut evaluations, mut folds) = (0, counts);
     for fidelity in &levels {
-        let mut next = predict_once(skirt, fabric, &Options { fidelity: *fidelity, folds, tolerance: None, ..*options })?;
+        let mut next = once(*fidelity, folds)?;
         evaluations += next.evaluations;
         next.evaluations = evaluations;
         if let Some(last) = &last {
             if settled(last, &next) {
                 folds = Folds::Exactly(next.folds);
             }
-            if options.folds == Folds::Auto {
+            if counts == Folds::Auto {
                 keep_rivals(last, &mut next);
             }
         }

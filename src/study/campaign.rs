@@ -12,7 +12,7 @@ use super::irregular::{Irregular, irregular};
 use super::response;
 use crate::experiment::campaign::Response;
 use crate::experiment::profile::signed_area;
-use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Skirt, Source};
+use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Scene, Skirt, Source};
 use crate::fit::lambda::{Lambda, lambda};
 use crate::fit::{self, HemFit};
 use crate::model::hem::Placement;
@@ -185,15 +185,21 @@ pub(super) fn predict(campaign: &Campaign, study: &mut RunStudy) {
         study.prediction_missing = Some("the cut is not known".into());
         return;
     };
-    let theory = simulate::Options { gravity: campaign.gravity, ..simulate::Options::default() };
-    match simulate::predict(skirt, &run.fabric, &theory) {
+    let ask = |folds: Option<u32>| match &campaign.hanging {
+        Some(hanging) => {
+            let scene = hanging.scene(*skirt, run.fabric, campaign.apparatus, campaign.gravity);
+            simulate::predict_scene(&Scene { folds, ..scene }, None)
+        }
+        None => {
+            let folds = folds.map_or(simulate::Folds::Auto, simulate::Folds::Exactly);
+            simulate::predict(skirt, &run.fabric, &simulate::Options { folds, gravity: campaign.gravity, ..simulate::Options::default() })
+        }
+    };
+    match ask(None) {
         Err(reason) => study.prediction_missing = Some(reason.to_string()),
         Ok(chosen) => {
             // At the fold count that was measured: cloth is metastable, and a hem of six folds is best compared with six.
-            let at_fitted = fitted.folds.and_then(|m| {
-                let same = simulate::Options { folds: simulate::Folds::Exactly(m), ..theory };
-                if chosen.folds == m { Some(chosen.clone()) } else { simulate::predict(skirt, &run.fabric, &same).ok() }
-            });
+            let at_fitted = fitted.folds.and_then(|m| if chosen.folds == m { Some(chosen.clone()) } else { ask(Some(m)).ok() });
             study.comparison = at_fitted.as_ref().filter(|p| Some(p.folds) == fitted.folds).map(|p| compare(profile, fitted, p, &chosen));
             study.prediction = Some(chosen);
             study.prediction_at_fitted_folds = at_fitted;

@@ -77,8 +77,11 @@ pub fn against(runs: &[RunStudy], gravity: f64) -> Vec<FidelityRun> {
         }
     }
     let scene_of: Vec<usize> = known.iter().map(|run| scenes.iter().position(|s| *s == run.scene()).unwrap_or(0)).collect();
-    // The campaign's own theory has been asked and compared already.
-    let own = |fidelity: usize| FIDELITIES[fidelity].1 == Options::default().fidelity;
+    // The campaign's own theory has been asked and compared already, unless it predicts by other terms or another size.
+    let names = described();
+    let as_is =
+        |fidelity: usize| runs.iter().filter_map(|r| r.prediction.as_ref()).all(|p| p.fidelity == names[fidelity] && p.terms.len() == 2);
+    let own = |fidelity: usize| FIDELITIES[fidelity].1 == Options::default().fidelity && as_is(fidelity);
     let ask = |scene: usize, fidelity: usize, folds: Folds| {
         let options = Options { fidelity: FIDELITIES[fidelity].1, folds, gravity, ..Options::default() };
         let (skirt, fabric) = &scenes[scene];

@@ -21,3 +21,4 @@ pub mod paper;
 pub mod part;
 pub mod response;
 pub mod stability;
+pub mod terms;
