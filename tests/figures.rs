@@ -236,8 +236,9 @@ fn decoded(bytes: &[u8]) -> Picture {
 /// elsewhere has not.
 fn strays(a: &Picture, b: &Picture) -> usize {
     assert_eq!((a.width, a.levels.len()), (b.width, b.levels.len()), "the pictures differ in size");
-    // A third of the scale: a thin grey line more or less is not black type.
-    const LIKE: u8 = 85;
+    // The thinnest letter in the lightest colour of type makes its dots darker by a quarter of the scale; an edge that falls a fifth of a dot otherwise, by a
+    // fifth.
+    const LIKE: u8 = 60;
     let (width, height) = (a.width, a.levels.len() / a.width);
     let near = |i: usize, j: usize, other: &Picture, level: u8| {
         let (rows, columns) = (i.saturating_sub(1)..=(i + 1).min(height - 1), j.saturating_sub(1)..=(j + 1).min(width - 1));
