@@ -10,6 +10,7 @@ pub mod paper;
 mod pictures;
 pub mod predict;
 pub mod regress;
+pub mod report;
 pub mod run;
 mod study;
 pub mod told;
@@ -45,6 +46,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Run),
+    Report(report::Report),
     Fit(fit::Fit),
     Mesh(mesh::Mesh),
     Predict(predict::Predict),
@@ -61,6 +63,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let outcome = match cli.command.unwrap_or(Command::Run(run::Run::default())) {
         Command::Run(args) => run::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Predict(args) => predict::run(&args),
