@@ -262,7 +262,7 @@ fn evaluation_counts_are_as_they_were() {
         count(Fidelity::Polar { foundation: 0.0 }, Folds::Exactly(5), None),
     ];
     // Whether a last step is still needed hangs on rounding, and sine and cosine round differently on another processor: one evaluation or 2 %.
-    for (count, golden) in counts.into_iter().zip([20_usize, 130, 243, 18, 124, 5, 102]) {
+    for (count, golden) in counts.into_iter().zip([20_usize, 130, 243, 18, 131, 5, 102]) {
         assert!(count.abs_diff(golden) <= 1.max(golden / 50), "{counts:?}: {count} where {golden} were needed");
     }
 }

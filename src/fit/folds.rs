@@ -50,7 +50,7 @@ impl Default for Options {
             cut_length: None,
             // With noise of a tenth of the lean, half a standard error of s is bias.
             bias_correction: true,
-            // At a gradient of 1e-10 the curve is at its optimum to rounding, for a quarter more time than at 1e-2 (`hemline study accuracy`).
+            // At a gradient of 1e-10 the curve is at its optimum to rounding, for hardly more time than at 1e-2 (`hemline study accuracy`).
             solver: least_squares::Options::default(),
             limits: Limits::default(),
             weights: None,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::csv::Table;
+use super::section::{Figure, Grid, Section};
 use super::{output, raster};
 use crate::error::Error;
 
@@ -34,6 +35,27 @@ pub struct StudySection {
     pub sentences: Vec<String>,
     pub tables: Vec<SectionTable>,
     pub figures: Vec<SectionFigure>,
+}
+
+impl StudySection {
+    /// The same as a chapter of the document: tables in their short form.
+    pub fn chapter(&self) -> Section {
+        let grid = |table: &SectionTable| {
+            let (columns, rows) = table.short.split_first()?;
+            let number = |cell: &String| cell == "–" || cell.starts_with(|c: char| c.is_ascii_digit());
+            let text = |column: usize| rows.iter().any(|row| !number(&row[column]));
+            let text_columns = (0..columns.len()).take_while(|&column| text(column)).count();
+            Some(Grid { caption: table.caption.clone(), columns: columns.clone(), rows: rows.to_vec(), text_columns })
+        };
+        let figure =
+            |figure: &SectionFigure| Figure { stem: figure.stem.clone(), caption: figure.caption.clone(), svg: figure.svg.clone() };
+        Section {
+            title: self.title.clone(),
+            paragraphs: self.sentences.clone(),
+            tables: self.tables.iter().filter_map(grid).collect(),
+            figures: self.figures.iter().map(figure).collect(),
+        }
+    }
 }
 
 /// On what times were taken, as it stands in the header of a study.

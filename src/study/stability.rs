@@ -58,7 +58,7 @@ pub fn cell_count() -> usize {
 pub fn study(options: &Options, done: &(dyn Fn() + Sync)) -> StabilityStudy {
     let draws = match options.depth {
         Depth::Quick => 1,
-        Depth::Usual => 3,
+        Depth::Usual => 5,
         Depth::Full => 30,
     };
     let cases = catalogue();

@@ -128,7 +128,7 @@ pub struct Settings {
 type Task<'a> = Box<dyn Fn(&Setup) -> Result<Panel, Error> + 'a>;
 
 /// What every panel is told.
-pub(self) struct Setup {
+struct Setup {
     options: Options,
     clock: Clock,
 }

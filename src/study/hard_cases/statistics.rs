@@ -118,7 +118,7 @@ fn missing_corners(count: f64, _: u64) -> Answer {
             let cell = (0..design.runs()).filter(|k| k % 8 == i % 8).filter_map(|k| y[k]);
             worst = worst.max(relative(*fitted, sum(cell).to_f64() / 3.0));
         }
-        let said = (0 < found.aliases.len()).then(|| format!("{} terms aliased", found.aliases.len()));
+        let said = (!found.aliases.is_empty()).then(|| format!("{} terms aliased", found.aliases.len()));
         let answer = Answer::judged(digits(worst), 14.0, careful(&found).or(said.clone()));
         // What is left is right, but less than was asked; unless that is said, it is wrong.
         Ok(match (count as usize, said) {
