@@ -11,6 +11,7 @@ mod pictures;
 pub mod predict;
 pub mod regress;
 pub mod run;
+pub mod skirt;
 pub mod told;
 pub mod workbook;
 
@@ -52,6 +53,7 @@ enum Command {
     Init(init::Init),
     Import(import::Import),
     Paper(paper::Paper),
+    Skirt(skirt::SkirtArgs),
 }
 
 /// Parses the command line and runs it.
@@ -67,6 +69,7 @@ pub fn run() -> ExitCode {
         Command::Init(args) => init::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Paper(args) => paper::run(&args),
+        Command::Skirt(args) => skirt::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

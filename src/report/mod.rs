@@ -14,6 +14,7 @@ pub mod note;
 pub mod number;
 pub mod output;
 pub mod paper;
+pub mod pattern;
 pub mod raster;
 pub mod summary;
 mod sureness;
