@@ -9,9 +9,11 @@ pub mod mesh;
 pub mod paper;
 mod pictures;
 pub mod predict;
+mod profiles;
 pub mod regress;
 pub mod run;
 pub mod skirt;
+pub mod surface;
 pub mod told;
 pub mod workbook;
 
@@ -54,6 +56,7 @@ enum Command {
     Import(import::Import),
     Paper(paper::Paper),
     Skirt(skirt::SkirtArgs),
+    Surface(surface::Surface),
 }
 
 /// Parses the command line and runs it.
@@ -70,6 +73,7 @@ pub fn run() -> ExitCode {
         Command::Import(args) => import::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Skirt(args) => skirt::run(&args),
+        Command::Surface(args) => surface::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

@@ -6,9 +6,11 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use crate::cli::print;
+use crate::cli::surface::{self, SurfaceFlags};
 use crate::error::Error;
 use crate::experiment::{Fabric, Skirt};
 use crate::simulate::{Branch, Fidelity, Folds, Options, Prediction, Termination, graded, predict, ruled};
+use crate::study::surface::of_prediction;
 use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 
 /// Predict how a conic skirt hangs, from its cut and its cloth; nothing is fitted.
@@ -17,7 +19,9 @@ use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 /// costs least. Above a threshold rigidity the skirt hangs round: `folds` is then 0.
 #[derive(Debug, Clone, Args)]
 #[command(
-    after_help = "Example:\n  hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --json"
+    after_help = "Example:\n  hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --json\n  \
+hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --fidelity graded \\\n    \
+--thickness-mm 0.5 --poisson 0.2 --surface skirt.glb --field stress-intensity"
 )]
 pub struct Predict {
     /// Radius of the waist ring, cm
@@ -60,6 +64,8 @@ pub struct Predict {
     /// Acceleration of free fall, m/s²
     #[arg(long, default_value_t = units::STANDARD_GRAVITY, value_name = "M_S2")]
     gravity_m_s2: f64,
+    #[command(flatten)]
+    surface: SurfaceFlags,
     /// Print one JSON object (SI units)
     #[arg(long)]
     json: bool,
@@ -86,23 +92,43 @@ fn folds(text: &str) -> Result<Folds, String> {
 /// # Errors
 /// As [`predict`]: what is asked makes no sense, or the theory does not apply.
 pub fn run(args: &Predict) -> Result<ExitCode, Error> {
+    let (skirt, fabric) = scene(args)?;
     let prediction = prediction(args)?;
-    if args.json {
-        print(&format!("{}\n", to_json(&prediction)))?;
+    let surface = if args.surface.wanted() {
+        let sheet = args.surface.sheet(&fabric, args.gravity_m_s2);
+        let fields = of_prediction(&skirt, &prediction, &sheet, &args.surface.options())?;
+        let written = args.surface.write(&fields)?;
+        Some((fields, written))
     } else {
-        print(&to_text(&prediction))?;
+        None
+    };
+    if args.json {
+        let mut out = to_json(&prediction);
+        if let Some((fields, written)) = &surface {
+            out["surface"] = surface::to_json(fields, written);
+        }
+        print(&format!("{out}\n"))?;
+    } else {
+        let said = surface.map(|(fields, written)| surface::to_text(&fields, &written)).unwrap_or_default();
+        print(&(to_text(&prediction) + &said))?;
     }
     let usable = matches!(prediction.termination, Termination::Converged | Termination::Round);
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn prediction(args: &Predict) -> Result<Prediction, Error> {
+/// Cut and cloth.
+fn scene(args: &Predict) -> Result<(Skirt, Fabric), Error> {
     let centimetres = |value: f64| Metre(value * units::CENTIMETRE);
     let skirt = Skirt::new(centimetres(args.waist_radius_cm), centimetres(args.hem_radius_cm), centimetres(args.slant_length_cm))?;
     let fabric = Fabric {
         areal_density: Some(KilogramPerSquareMetre(args.areal_density_g_m2 * units::GRAM_PER_SQUARE_METRE)),
         flexural_rigidity: Some(NewtonMetre(args.rigidity_un_m * units::MICRONEWTON_METRE)),
     };
+    Ok((skirt, fabric))
+}
+
+fn prediction(args: &Predict) -> Result<Prediction, Error> {
+    let (skirt, fabric) = scene(args)?;
     let fidelity = match args.fidelity {
         Method::Polar => Fidelity::Polar { foundation: args.foundation_n_m3 },
         Method::Ansatz => Fidelity::Ansatz,

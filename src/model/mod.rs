@@ -3,6 +3,7 @@
 pub mod ansatz;
 pub mod body;
 pub mod energy;
+pub mod field;
 pub mod functional;
 pub mod graded;
 pub mod height;

@@ -17,6 +17,7 @@ pub mod paper;
 pub mod pattern;
 pub mod raster;
 pub mod summary;
+pub mod surface;
 mod sureness;
 pub mod table;
 pub mod typeset;

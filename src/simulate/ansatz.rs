@@ -74,6 +74,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds) -> Result<Pred
         multiplier: Some(Multiplier { value: best.multiplier, unit: "N" }),
         turning: None,
         error_estimate: None,
+        graded: None,
     })
 }
 

@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DVector, SymmetricEigen};
 use super::{Branch, Cloth, Folds, Multiplier, Prediction, TermEnergy, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::Skirt;
+use crate::model::field::GradedShape;
 use crate::model::graded::{GradedShell, HeightBasis, Setup};
 use crate::model::tangent::{TangentHem, half_nodes};
 use crate::numerics::minimize::{Minimum, Options, Smooth, minimize};
@@ -102,12 +103,14 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         multiplier: None,
         turning: None,
         error_estimate: None,
+        graded: None,
     };
     if best.branch.folds != 0 {
         let budget = best.shell.budget(&best.minimum.x).ok_or_else(|| Error::Unanswerable("the solution has no finite energy".into()))?;
         let curve = best.curve();
         (prediction.hem_radius_min, prediction.hem_radius_max) = curve.radius_range();
         prediction.folds = best.branch.folds;
+        prediction.graded = Some(best.shape());
         prediction.multiplier = best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" });
         prediction.energy = budget.gravity + budget.bending + budget.shear;
         prediction.terms = terms(budget.gravity, budget.bending, budget.shear, search.evaluations);
@@ -153,6 +156,17 @@ impl State {
             hem.iter_mut().step_by(2).for_each(|a| *a = -*a);
         }
         TangentHem::new(self.branch.asked, self.shell.hem_radius(), hem.as_slice(), 2 * half_nodes(hem.len()))
+    }
+}
+
+impl State {
+    /// The whole shell, its crest on the axis.
+    fn shape(&self) -> GradedShape {
+        let setup = *self.shell.setup();
+        let flip = self.shell.hem_coefficients(&self.minimum.x)[0] < 0.0;
+        // As in `curve`: a shift by half a fold flips the odd coefficients together.
+        let sign = |i: usize| if flip && (i / setup.modes).is_multiple_of(2) { -1.0 } else { 1.0 };
+        GradedShape { setup, alpha: self.minimum.x.iter().enumerate().map(|(i, a)| sign(i) * a).collect() }
     }
 }
 

@@ -13,6 +13,7 @@ pub use polar::Turning;
 
 use crate::error::Error;
 use crate::experiment::{Fabric, Point, Skirt};
+use crate::model::field::GradedShape;
 use crate::model::hem::Hem;
 use crate::numerics::minimize::Ending;
 use crate::units::{Metre, STANDARD_GRAVITY};
@@ -162,6 +163,9 @@ pub struct Prediction {
     pub multiplier: Option<Multiplier>,
     /// Turning points of the paper's equation (4).
     pub turning: Option<Turning>,
+    /// The whole surface of the graded shell, where that was asked and folds.
+    #[serde(skip)]
+    pub graded: Option<GradedShape>,
 }
 
 /// What a longer hem would cost or save.

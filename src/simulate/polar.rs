@@ -95,6 +95,7 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds)
         multiplier: Some(Multiplier { value: turning.lambda, unit: "N/m²" }),
         turning: Some(turning),
         error_estimate: None,
+        graded: None,
     })
 }
 
@@ -130,6 +131,7 @@ fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> 
         multiplier: None,
         turning: None,
         error_estimate: None,
+        graded: None,
     }
 }
 

@@ -77,6 +77,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
             multiplier: None,
             turning: None,
             error_estimate: None,
+            graded: None,
         });
     }
     if !search.verify(&mut best) {
@@ -104,6 +105,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, harmonics: usi
         multiplier: best.shell.length_multiplier(&best.minimum.x).map(|value| Multiplier { value, unit: "N" }),
         turning: None,
         error_estimate: None,
+        graded: None,
     })
 }
 

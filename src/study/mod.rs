@@ -14,3 +14,4 @@ pub mod lack_of_fit;
 pub mod overview;
 pub mod paper;
 pub mod response;
+pub mod surface;
