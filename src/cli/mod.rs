@@ -3,6 +3,7 @@
 mod batch;
 pub mod check;
 pub mod fit;
+pub mod identify;
 pub mod import;
 pub mod init;
 pub mod mesh;
@@ -57,6 +58,7 @@ enum Command {
     Paper(paper::Paper),
     Skirt(skirt::SkirtArgs),
     Surface(surface::Surface),
+    Identify(identify::Identify),
 }
 
 /// Parses the command line and runs it.
@@ -74,6 +76,7 @@ pub fn run() -> ExitCode {
         Command::Paper(args) => paper::run(&args),
         Command::Skirt(args) => skirt::run(&args),
         Command::Surface(args) => surface::run(&args),
+        Command::Identify(args) => identify::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

@@ -1,6 +1,7 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
 mod beyond;
+mod cloth;
 pub mod irregular;
 mod regression;
 mod runs;
@@ -57,6 +58,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "beyond": beyond::chapter(study),
         "irregular": irregular::chapter(study, gallery),
         "theory": theory::chapter(study),
+        "cloth": cloth::chapter(study),
         "theory-effects": beyond::theory(study),
         "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),
         "fits": study.runs.iter().map(runs::row).collect::<Vec<_>>(),

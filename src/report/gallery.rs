@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::document::irregular::{most_reshaped, most_uneven};
 use super::figure::{
-    agreement, cube, distance, fidelities, folds, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals, symbols,
-    uneven,
+    agreement, cube, distance, fidelities, folds, gap, half_normal, hem, interactions, main_effects, multiples, pareto, residuals,
+    rigidity, symbols, uneven,
 };
 use super::number;
 use super::words::{self, Response};
@@ -15,8 +15,9 @@ use crate::statistics::box_wilson::Analysis;
 use crate::statistics::distribution;
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::study::fidelities::{FIDELITIES, FidelityRun};
+use crate::study::identify::{Identified, Through};
 use crate::study::overview::spread;
-use crate::units::{MILLIMETRE, PERCENT};
+use crate::units::{MICRONEWTON_METRE, MILLIMETRE, PERCENT};
 
 /// SVG by file stem, in a fixed order.
 pub type Gallery = BTreeMap<String, String>;
@@ -50,6 +51,7 @@ pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
     draw_folds(&mut gallery, study)?;
     draw_theory(&mut gallery, study)?;
     draw_fidelities(&mut gallery, study)?;
+    draw_rigidity(&mut gallery, study)?;
     Ok(gallery)
 }
 
@@ -242,6 +244,26 @@ fn draw_fidelities(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), E
         ),
     ];
     gallery.insert("theory_fidelities".into(), fidelities::draw(&names, &numbers, &FIDELITIES.map(|(name, _)| name), &panels)?);
+    Ok(())
+}
+
+/// Rigidities from the hem against known ones, if there are any.
+fn draw_rigidity(gallery: &mut Gallery, study: &CampaignStudy) -> Result<(), Error> {
+    let series: Vec<rigidity::Series> = Through::ALL
+        .into_iter()
+        .map(|through| {
+            let own = study.identified.iter().filter(|row| row.through == through);
+            let point = |row: &Identified| {
+                let (found, known) = (row.found.as_ref().ok()?, row.known?);
+                let (known, estimated) = (known / MICRONEWTON_METRE, found.rigidity.value / MICRONEWTON_METRE);
+                Some(rigidity::Point { known, estimated, relative_error: found.relative_error })
+            };
+            rigidity::Series { name: through.name().into(), points: own.filter_map(point).collect() }
+        })
+        .collect();
+    if series.iter().any(|s| !s.points.is_empty()) {
+        gallery.insert("rigidity".into(), rigidity::draw(&series)?);
+    }
     Ok(())
 }
 

@@ -9,6 +9,7 @@ pub mod document;
 pub mod fidelities;
 pub mod figure;
 pub mod gallery;
+pub mod identify;
 pub mod irregular;
 pub mod note;
 pub mod number;
@@ -95,6 +96,7 @@ pub fn write(study: &CampaignStudy, folder: &Path, options: &Options) -> Result<
         ("predictions.csv", table::predictions(&study.runs).bytes()),
         ("fidelities.csv", fidelities::runs(&study.fidelities).bytes()),
         ("fidelity_summary.csv", fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &factor_names).bytes()),
+        ("identify.csv", identify::runs(&study.identified).bytes()),
         ("models.csv", irregular::models(uneven()).bytes()),
         ("folds.csv", irregular::folds(uneven()).bytes()),
         ("points.csv", table::points(rows()).bytes()),

@@ -1,6 +1,7 @@
 //! Forward: skirt + fabric + terms → predicted hem. Nothing here is fitted.
 
 pub mod ansatz;
+pub mod equilibrium;
 pub mod graded;
 pub mod polar;
 mod projection;

@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod further;
 pub mod desirable;
 pub mod fidelities;
+pub mod identify;
 pub mod intervals;
 pub mod irregular;
 pub mod lack_of_fit;

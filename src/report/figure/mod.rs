@@ -18,6 +18,7 @@ pub mod paper_projection;
 pub mod paper_shell;
 pub mod pareto;
 pub mod residuals;
+pub mod rigidity;
 pub mod sheet;
 pub mod space;
 pub mod symbols;
