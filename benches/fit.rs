@@ -1,4 +1,4 @@
-//! One thread's CPU time for a fit, profile by profile: `cargo bench --bench fit -- PROFILES.csv [REPEATS]`.
+//! One thread's CPU time for a fit, profile by profile: `cargo bench --bench fit -- PROFILES.csv [REPEATS [ROW]]`.
 //!
 //! PROFILES.csv is what `bench_fits.py --write` writes: profile,x_cm,y_cm. Prints the median over repeats of the mean milliseconds a profile, for a
 //! given fold count and for an unknown one, and the summed squared distance (cm²) to compare with other solvers.
@@ -20,6 +20,7 @@ fn main() {
         return;
     };
     let repeats: usize = arguments.get(1).and_then(|r| r.parse().ok()).unwrap_or(5);
+    let only = arguments.get(2).map_or("", String::as_str);
     let text = std::fs::read_to_string(file).expect("the profiles can be read");
     let mut outlines: Vec<Vec<Point>> = Vec::new();
     for line in text.lines().skip(1) {
@@ -36,7 +37,10 @@ fn main() {
         ("m unknown, 2 to 24", Options { folds: Folds::default(), ..free.clone() }),
         ("m unknown, 2 to 60", Options { folds: Folds::Among { from: 2, to: 60 }, ..free.clone() }),
         ("m given, bias taken out", Options { folds: Folds::Exactly(8), bias_correction: true, ..free.clone() }),
-    ] {
+    ]
+    .into_iter()
+    .filter(|(name, _)| name.starts_with(only))
+    {
         let (mut evaluations, mut square) = (0, 0.0);
         let milliseconds = median(repeats, || {
             (evaluations, square) = (0, 0.0);
@@ -52,6 +56,9 @@ fn main() {
             evaluations as f64 / profiles.len() as f64,
             square / (CENTIMETRE * CENTIMETRE)
         );
+    }
+    if !"points".starts_with(only) {
+        return;
     }
     let milliseconds = median(repeats, || {
         for points in &outlines {

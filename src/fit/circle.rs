@@ -68,14 +68,14 @@ struct Sums {
 }
 
 vectorized! {
-    fn sums(blocks: &[Block], x0: f64, y0: f64, radius: f64) -> Sums {
-        let mut normal = [Lanes::ZERO; 6];
-        let mut right = [Lanes::ZERO; 3];
-        let mut square = Lanes::ZERO;
+    fn sums<V>(blocks: &[Block], x0: f64, y0: f64, radius: f64) -> Sums {
+        let mut normal = [V::zero(); 6];
+        let mut right = [V::zero(); 3];
+        let mut square = V::zero();
         for Block { x, y, weight } in blocks {
-            let (dx, dy) = (*x - x0, *y - y0);
-            let r = (dx * dx + dy * dy).sqrt().max(Lanes::all(f64::MIN_POSITIVE));
-            let (inverse, w) = (*weight / r, *weight);
+            let (dx, dy, w) = (V::of(x) - x0, V::of(y) - y0, V::of(weight));
+            let r = (dx * dx + dy * dy).sqrt().max(V::all(f64::MIN_POSITIVE));
+            let inverse = w / r;
             let (u, v) = (dx * inverse, dy * inverse);
             let distance = w * (r - radius);
             for (sum, value) in normal.iter_mut().zip([u * u, u * v, v * v, u, v, w]) {
@@ -86,10 +86,10 @@ vectorized! {
             }
             square = square + distance * distance;
         }
-        let [uu, uv, vv, u, v, w] = normal.map(Lanes::sum);
+        let [uu, uv, vv, u, v, w] = [normal[0].sum(), normal[1].sum(), normal[2].sum(), normal[3].sum(), normal[4].sum(), normal[5].sum()];
         Sums {
             normal: Matrix3::new(uu, uv, u, uv, vv, v, u, v, w),
-            right: Vector3::from(right.map(Lanes::sum)),
+            right: Vector3::new(right[0].sum(), right[1].sum(), right[2].sum()),
             square: square.sum(),
         }
     }

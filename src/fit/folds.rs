@@ -130,7 +130,7 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
     let to = to.min(seen);
     if from <= to
         && swift::LIMIT <= options.solver.evaluation_limit
-        && let Some(fit) = swiftly(points, from..=to, seen, options)
+        && let Some(fit) = swiftly(points, from..=to, plain.then_some(to), seen, options)
     {
         return Ok(fit);
     }
@@ -172,7 +172,9 @@ fn fit_here(profile: &DrapeProfile, options: &Options) -> Result<HemFit, Error> 
 }
 
 /// The fit where the outline is a hem curve and noise beyond doubt.
-fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, seen: u32, options: &Options) -> Option<HemFit> {
+///
+/// `plain` is a fold count that the points are known to show all round.
+fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, plain: Option<u32>, seen: u32, options: &Options) -> Option<HemFit> {
     if matches!(options.length, HemLength::Held(_)) || options.weights.is_some() || !options.limits.none() {
         return None;
     }
@@ -185,7 +187,7 @@ fn swiftly(points: &[Point], folds: std::ops::RangeInclusive<u32>, seen: u32, op
     let evaluations: usize = trials.iter().map(|t| t.evaluations).sum();
     let (best, candidates) = choose(trials, &|_| f64::INFINITY, points.len() as f64)?;
     // A stretch without enough points has to be told of, by the careful path.
-    if !plainly_seen(points, best.folds) {
+    if plain != Some(best.folds) && !plainly_seen(points, best.folds) {
         return None;
     }
     let notes = notes(options, outline_length, points.len(), seen);

@@ -213,25 +213,26 @@ fn midpoints(level: usize) -> &'static [(Lanes, Lanes)] {
 
 vectorized! {
     /// Means of |c'| and of its derivatives by p, q, s over half a fold: all are alike, and mirror images of each other.
-    fn perimeter_mean(hem: &Hem, nodes: &[(Lanes, Lanes)]) -> [f64; 4] {
+    fn perimeter_mean<V>(hem: &Hem, nodes: &[(Lanes, Lanes)]) -> [f64; 4] {
         let m = f64::from(hem.folds.max(1));
-        let mut sums = [Lanes::ZERO; 4];
-        for &(cos_fold, sin_fold) in nodes {
-            let sin_lean = 2.0 * (sin_fold * cos_fold);
-            let cos_lean = 1.0 - 2.0 * (sin_fold * sin_fold);
-            let radial = -((m * hem.q) * sin_fold + hem.s * sin_lean);
-            let tangential = hem.p + hem.q * cos_fold + (2.0 * m * hem.s) * cos_lean;
+        let mut sums = [V::zero(); 4];
+        for (cos_fold, sin_fold) in nodes {
+            let (cos_fold, sin_fold) = (V::of(cos_fold), V::of(sin_fold));
+            let sin_lean = sin_fold * cos_fold * 2.0;
+            let cos_lean = V::all(1.0) - sin_fold * sin_fold * 2.0;
+            let radial = -(sin_fold * (m * hem.q) + sin_lean * hem.s);
+            let tangential = cos_fold * hem.q + hem.p + cos_lean * (2.0 * m * hem.s);
             let speed = (radial * radial + tangential * tangential).sqrt();
             // Where the curve stands still it has no direction; both components are zero there.
-            let inverse = 1.0 / speed.max(Lanes::all(f64::MIN_POSITIVE));
+            let inverse = V::all(1.0) / speed.max(V::all(f64::MIN_POSITIVE));
             let (ur, ut) = (radial * inverse, tangential * inverse);
             sums[0] = sums[0] + speed;
             sums[1] = sums[1] + ut;
-            sums[2] = sums[2] + (cos_fold * ut - m * (sin_fold * ur));
-            sums[3] = sums[3] + ((2.0 * m) * (cos_lean * ut) - sin_lean * ur);
+            sums[2] = sums[2] + (cos_fold * ut - sin_fold * ur * m);
+            sums[3] = sums[3] + (cos_lean * ut * (2.0 * m) - sin_lean * ur);
         }
         let count = (WIDTH * nodes.len()) as f64;
-        sums.map(|sum| sum.sum() / count)
+        [sums[0].sum() / count, sums[1].sum() / count, sums[2].sum() / count, sums[3].sum() / count]
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::super::foot_point::{Centred, Foot, nearest_within};
-use super::kernel::{Blocks, Curve, Sums, UNKNOWNS, evaluate};
+use super::kernel::{Blocks, Curve, Sums, UNKNOWNS, evaluate, farthest};
 use crate::model::hem::Hem;
 use crate::numerics::lanes::{Lanes, WIDTH};
 
@@ -85,6 +85,9 @@ fn look_again(all: &mut Blocks, curve: &Curve) -> bool {
     let hem = &curve.hem;
     let window = PI / f64::from(hem.folds);
     let reach = reach(hem);
+    if farthest(all) < reach {
+        return false;
+    }
     let mut moved = false;
     for i in 0..all.count {
         let block = &mut all.blocks[i / WIDTH];

@@ -9,11 +9,13 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
 use crate::experiment::Point;
 use crate::model::hem::Hem;
-use crate::numerics::lanes::{Lanes, WIDTH, multiple_angle, turned};
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, multiple_angle, turned};
 use crate::vectorized;
 
 /// Unknowns: x0, y0, phase, p, q, s.
 pub(super) const UNKNOWNS: usize = 6;
+/// Above this |cos mθ| a point is near crest or valley.
+const CREST: f64 = 0.8;
 /// Entries of the lower triangle of a matrix over the unknowns.
 const TRIANGLE: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 
@@ -114,48 +116,85 @@ impl Blocks {
         values
     }
 
-    /// Feet at the polar angles of the points about (x, y), turned back by a phase.
+    /// Feet near the polar angles of the points about the curve's centre, less what its lean turns them by.
     pub(super) fn feet_by_angle(&mut self, curve: &Curve) {
-        for block in &mut self.blocks {
-            let (dx, dy) = (block.x - curve.x0, block.y - curve.y0);
-            let inverse = 1.0 / (dx * dx + dy * dy).sqrt();
+        feet_by_angle(self, curve);
+    }
+}
+
+vectorized! {
+    fn feet_by_angle<V>(all: &mut Blocks, curve: &Curve) -> () {
+        let hem = &curve.hem;
+        let leans = hem.s != 0.0;
+        // Near crest and valley the angle tells where on a fold a point is: mθ = mt (1 + 2ms/p). In between, where the curve may overhang, the radius.
+        let slowed = 1.0 / (1.0 + 2.0 * f64::from(hem.folds) * hem.s.abs() / hem.p);
+        let inverse_amplitude = 1.0 / hem.q.abs().max(f64::MIN_POSITIVE);
+        for block in &mut all.blocks {
+            let (dx, dy) = (V::of(&block.x) - curve.x0, V::of(&block.y) - curve.y0);
+            let squared = dx * dx + dy * dy;
+            let inverse = V::all(1.0) / squared.sqrt();
             let (cos, sin) = (dx * inverse, dy * inverse);
-            (block.cos, block.sin) = (cos * curve.cos + sin * curve.sin, sin * curve.cos - cos * curve.sin);
+            let mut foot = (cos * curve.cos + sin * curve.sin, sin * curve.cos - cos * curve.sin);
+            if leans {
+                let radius = squared * inverse;
+                let (cos_angle, sin_angle) = multiple_angle(hem.folds, foot);
+                let cos_fold = ((radius - hem.p) * inverse_amplitude).within(1.0);
+                let sin_fold = (V::all(1.0) - cos_fold * cos_fold).sqrt();
+                let signed = V::choose(sin_angle, V::zero(), -sin_fold, sin_fold);
+                let near = V::all(CREST);
+                let (cos_fold, sin_fold) = (
+                    V::choose(near, cos_angle.abs(), cos_angle, cos_fold),
+                    V::choose(near, cos_angle.abs(), sin_angle * slowed, signed),
+                );
+                let turn = sin_fold * cos_fold * (-2.0 * hem.s) * inverse;
+                foot = turned(foot, small_turn(turn.within(1.0 / (2.0 * f64::from(hem.folds)))));
+            }
+            block.cos = foot.0.lanes();
+            block.sin = foot.1.lanes();
             block.step = Lanes::ZERO;
+            if leans {
+                // These feet are near enough for a step of their own.
+                let Local { rho, tau, velocity: (vr, vt), acceleration: (ar, at), .. } = local(hem, foot);
+                let (ex, ey) = (foot.0 * curve.cos - foot.1 * curve.sin, foot.0 * curve.sin + foot.1 * curve.cos);
+                let (or, ot) = (dx * ex + dy * ey - rho, dy * ex - dx * ey - tau);
+                let gauss = vr * vr + vt * vt;
+                let stiffness = (gauss - (or * ar + ot * at)).where_above(gauss * 0.1, gauss);
+                block.step = ((or * vr + ot * vt) / stiffness).lanes();
+            }
             block.by = [Lanes::ZERO; UNKNOWNS];
         }
     }
 }
 
 /// The point, tangent and curvature of the curve at feet e^{it}, in the frame that turns with them: each pair is (radial, tangential).
-struct Local {
-    rho: Lanes,
-    tau: Lanes,
-    velocity: (Lanes, Lanes),
-    acceleration: (Lanes, Lanes),
-    cos_fold: Lanes,
-    sin_fold: Lanes,
-    sin_lean: Lanes,
-    cos_lean: Lanes,
+struct Local<V> {
+    rho: V,
+    tau: V,
+    velocity: (V, V),
+    acceleration: (V, V),
+    cos_fold: V,
+    sin_fold: V,
+    sin_lean: V,
+    cos_lean: V,
 }
 
 #[inline(always)]
-fn local(hem: &Hem, foot: (Lanes, Lanes)) -> Local {
+fn local<V: Vector>(hem: &Hem, foot: (V, V)) -> Local<V> {
     let m = f64::from(hem.folds);
     let (cos_fold, sin_fold) = multiple_angle(hem.folds, foot);
-    let sin_lean = 2.0 * (sin_fold * cos_fold);
-    let cos_lean = 1.0 - 2.0 * (sin_fold * sin_fold);
-    let rho = hem.p + hem.q * cos_fold;
-    let tau = hem.s * sin_lean;
-    let rho1 = (-hem.q * m) * sin_fold;
-    let tau1 = (2.0 * m * hem.s) * cos_lean;
-    let rho2 = (-hem.q * m * m) * cos_fold;
-    let tau2 = (-4.0 * m * m) * tau;
+    let sin_lean = (sin_fold * cos_fold) * 2.0;
+    let cos_lean = V::all(1.0) - (sin_fold * sin_fold) * 2.0;
+    let rho = cos_fold * hem.q + hem.p;
+    let tau = sin_lean * hem.s;
+    let rho1 = sin_fold * (-hem.q * m);
+    let tau1 = cos_lean * (2.0 * m * hem.s);
+    let rho2 = cos_fold * (-hem.q * m * m);
+    let tau2 = tau * (-4.0 * m * m);
     Local {
         rho,
         tau,
         velocity: (rho1 - tau, rho + tau1),
-        acceleration: (rho2 - 2.0 * tau1 - rho, tau2 + 2.0 * rho1 - tau),
+        acceleration: (rho2 - tau1 * 2.0 - rho, tau2 + rho1 * 2.0 - tau),
         cos_fold,
         sin_fold,
         sin_lean,
@@ -163,12 +202,12 @@ fn local(hem: &Hem, foot: (Lanes, Lanes)) -> Local {
     }
 }
 
-/// e^{iδ} for |δ| ≤ 1/6: the series to δ⁹, 1e-17 beyond.
+/// e^{iδ} for a small δ, about: a foot's step need not be right to more than its fifth power, and what its length is off is taken back after.
 #[inline(always)]
-fn small_turn(angle: Lanes) -> (Lanes, Lanes) {
+fn small_turn<V: Vector>(angle: V) -> (V, V) {
     let z = angle * angle;
-    let cos = 1.0 - z * (0.5 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z * (1.0 / 3_628_800.0)))));
-    let sin = angle * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z * (1.0 / 362_880.0)))));
+    let cos = V::all(1.0) - z * (V::all(0.5) - z * (1.0 / 24.0));
+    let sin = angle * (V::all(1.0) - z * (1.0 / 6.0));
     (cos, sin)
 }
 
@@ -176,138 +215,140 @@ vectorized! {
     /// Moves the feet by their own step and by what `change` of the unknowns makes of them, and evaluates `curve` there.
     ///
     /// `half_variance` is half the noise variance (m²) whose shift of the distances is taken off; 0 for none.
-    pub(super) fn evaluate(all: &mut Blocks, curve: &Curve, change: &[f64; UNKNOWNS], half_variance: f64, curved: bool) -> Sums {
-        let hem = &curve.hem;
-        let m = f64::from(hem.folds);
-        // A foot moves by a twentieth of a fold at most, so that it does not hop to another one.
-        let longest = 1.0 / (3.0 * m);
-        let mut normal = [Lanes::ZERO; TRIANGLE];
-        let mut second = [Lanes::ZERO; TRIANGLE];
-        let mut gradient = [Lanes::ZERO; UNKNOWNS];
-        let (mut square, mut slip, mut residual, mut sharpest) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-        let last = all.blocks.len() - 1;
-        for (index, block) in all.blocks.iter_mut().enumerate() {
-            let live = if index == last { all.tail } else { Lanes::all(1.0) };
-            let by = &block.by;
-            let follow = (by[0] * change[0] + by[1] * change[1]) + (by[2] * change[2] + by[3] * change[3])
-                + (by[4] * change[4] + by[5] * change[5]);
-            let (cos, sin) = turned((block.cos, block.sin), small_turn((block.step - follow).within(longest)));
-            // Back to length one, to first order of what rounding took.
-            let length = 1.5 - 0.5 * (cos * cos + sin * sin);
-            let (cos, sin) = (cos * length, sin * length);
-            (block.cos, block.sin) = (cos, sin);
-            let Local { rho, tau, velocity: (vr, vt), acceleration: (ar, at), cos_fold, sin_fold, sin_lean, cos_lean } =
-                local(hem, (cos, sin));
-            // e_r in the frame of the measurement, and the point's offset in the turning frame.
-            let (ex, ey) = (cos * curve.cos - sin * curve.sin, cos * curve.sin + sin * curve.cos);
-            let (dx, dy) = (block.x - curve.x0, block.y - curve.y0);
-            let (or, ot) = (dx * ex + dy * ey - rho, dy * ex - dx * ey - tau);
-            let gauss = vr * vr + vt * vt;
-            let along = or * vr + ot * vt;
-            // Half the second derivative of the squared distance by t; Gauss's where a far point lies inside a bend.
-            let stiffness = (gauss - (or * ar + ot * at)).where_above(0.1 * gauss, gauss);
-            let reciprocal = 1.0 / (gauss * stiffness);
-            let (by_square, softness) = (reciprocal * stiffness, reciprocal * gauss);
-            let slowness = gauss.sqrt() * by_square;
-            let (nr, nt) = (vt * slowness, -(vr * slowness));
-            let distance = or * nr + ot * nt;
-            block.distance = distance;
-            block.step = along * softness;
-            let curvature = (vr * at - vt * ar) * (slowness * by_square);
-            let corrected = distance - half_variance * curvature;
-            block.corrected = corrected;
-            residual = residual + live * (corrected * corrected);
-            sharpest = sharpest.max(curvature.abs());
-            square = square + live * (or * or + ot * ot);
-            slip = slip + live * (along * along * by_square);
-            let row = [
-                live * (nt * ey - nr * ex),
-                -(live * (nr * ey + nt * ex)),
-                live * (nr * tau - nt * rho),
-                -(live * nr),
-                -(live * (nr * cos_fold)),
-                -(live * (nt * sin_lean)),
-            ];
-            // ∂c/∂θ along the velocity, then less what the offset makes of ∂c'/∂θ: the mixed derivatives by foot and unknown.
-            let drag = [
-                vr * ex - vt * ey,
-                vr * ey + vt * ex,
-                vt * rho - vr * tau,
-                vr,
-                vr * cos_fold,
-                vt * sin_lean,
-            ];
-            let mixed = [
-                drag[0],
-                drag[1],
-                drag[2] - (ot * vr - or * vt),
-                drag[3] - ot,
-                drag[4] - (ot * cos_fold - m * (or * sin_fold)),
-                drag[5] - (2.0 * m * (ot * cos_lean) - or * sin_lean),
-            ];
-            for (by, mixed) in block.by.iter_mut().zip(mixed) {
-                *by = mixed * softness;
-            }
-            let mut entry = 0;
-            for i in 0..UNKNOWNS {
-                gradient[i] = gradient[i] + row[i] * corrected;
-                for j in 0..=i {
-                    normal[entry] = normal[entry] + row[i] * row[j];
-                    entry += 1;
-                }
-            }
-            if curved {
-                let mut entry = 0;
-                for i in 0..UNKNOWNS {
-                    let (tangent, elimination) = (live * (drag[i] * by_square), live * block.by[i]);
-                    // What the feet have still to go is part of a Newton step of both.
-                    gradient[i] = gradient[i] - (tangent - elimination) * along;
-                    for j in 0..=i {
-                        second[entry] = second[entry] + (tangent * drag[j] - elimination * mixed[j]);
-                        entry += 1;
-                    }
-                }
-                // −o·∂²c/∂θ∂θ: only turning acts twice.
-                second[5] = second[5] + live * (or * rho + ot * tau);
-                second[8] = second[8] - live * ot;
-                second[12] = second[12] - live * (ot * cos_fold);
-                second[17] = second[17] + live * (or * sin_lean);
-            }
+    pub(super) fn evaluate<V>(all: &mut Blocks, curve: &Curve, change: &[f64; UNKNOWNS], half_variance: f64, curved: bool) -> Sums {
+        if curved {
+            evaluate_on::<V, true>(all, curve, change, half_variance)
+        } else {
+            evaluate_on::<V, false>(all, curve, change, half_variance)
         }
-        let mut sums = Sums {
-            normal: [[0.0; UNKNOWNS]; UNKNOWNS],
-            hessian: [[0.0; UNKNOWNS]; UNKNOWNS],
-            gradient: gradient.map(Lanes::sum),
-            square: square.sum(),
-            slip: slip.sum(),
-            corrected: residual.sum(),
-            sharpest: sharpest.greatest(),
-        };
+    }
+}
+
+/// [`evaluate`] in one kind of register; without second derivatives unless `CURVED`.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)] // Maps over arrays are not inlined into a function of other instructions.
+fn evaluate_on<V: Vector, const CURVED: bool>(all: &mut Blocks, curve: &Curve, change: &[f64; UNKNOWNS], half_variance: f64) -> Sums {
+    let hem = &curve.hem;
+    let m = f64::from(hem.folds);
+    // A foot moves by a twentieth of a fold at most, so that it does not hop to another one.
+    let longest = 1.0 / (3.0 * m);
+    let mut normal = [V::zero(); TRIANGLE];
+    let mut second = [V::zero(); TRIANGLE];
+    let mut gradient = [V::zero(); UNKNOWNS];
+    let (mut square, mut slip, mut residual, mut sharpest) = (V::zero(), V::zero(), V::zero(), V::zero());
+    let last = all.blocks.len() - 1;
+    let tail = V::of(&all.tail);
+    for (index, block) in all.blocks.iter_mut().enumerate() {
+        let live = if index == last { tail } else { V::all(1.0) };
+        let follow = (V::of(&block.by[0]) * change[0] + V::of(&block.by[1]) * change[1])
+            + (V::of(&block.by[2]) * change[2] + V::of(&block.by[3]) * change[3])
+            + (V::of(&block.by[4]) * change[4] + V::of(&block.by[5]) * change[5]);
+        let (cos, sin) = turned((V::of(&block.cos), V::of(&block.sin)), small_turn((V::of(&block.step) - follow).within(longest)));
+        // Back to length one, to first order of what it is off.
+        let length = V::all(1.5) - (cos * cos + sin * sin) * 0.5;
+        let (cos, sin) = (cos * length, sin * length);
+        (block.cos, block.sin) = (cos.lanes(), sin.lanes());
+        let Local { rho, tau, velocity: (vr, vt), acceleration: (ar, at), cos_fold, sin_fold, sin_lean, cos_lean } = local(hem, (cos, sin));
+        // e_r in the frame of the measurement, and the point's offset in the turning frame.
+        let (ex, ey) = (cos * curve.cos - sin * curve.sin, cos * curve.sin + sin * curve.cos);
+        let (dx, dy) = (V::of(&block.x) - curve.x0, V::of(&block.y) - curve.y0);
+        let (or, ot) = (dx * ex + dy * ey - rho, dy * ex - dx * ey - tau);
+        let gauss = vr * vr + vt * vt;
+        let along = or * vr + ot * vt;
+        // Half the second derivative of the squared distance by t; Gauss's where a far point lies inside a bend.
+        let stiffness = (gauss - (or * ar + ot * at)).where_above(gauss * 0.1, gauss);
+        let reciprocal = V::all(1.0) / (gauss * stiffness);
+        let (by_square, softness) = (reciprocal * stiffness, reciprocal * gauss);
+        let slowness = gauss.sqrt() * by_square;
+        let (nr, nt) = (vt * slowness, -(vr * slowness));
+        let distance = or * nr + ot * nt;
+        block.distance = distance.lanes();
+        block.step = (along * softness).lanes();
+        let curvature = (vr * at - vt * ar) * (slowness * by_square);
+        let corrected = distance - curvature * half_variance;
+        block.corrected = corrected.lanes();
+        residual = residual + live * (corrected * corrected);
+        sharpest = sharpest.max(curvature.abs());
+        square = square + live * (or * or + ot * ot);
+        slip = slip + live * (along * along * by_square);
+        // n·∂c/∂θ: the derivatives of the distance with the sign turned.
+        let (wr, wt) = (live * nr, live * nt);
+        let row = [wr * ex - wt * ey, wr * ey + wt * ex, wt * rho - wr * tau, wr, wr * cos_fold, wt * sin_lean];
+        // ∂c/∂θ along the velocity, then less what the offset makes of ∂c'/∂θ: the mixed derivatives by foot and unknown.
+        let drag = [vr * ex - vt * ey, vr * ey + vt * ex, vt * rho - vr * tau, vr, vr * cos_fold, vt * sin_lean];
+        let mixed = [
+            drag[0],
+            drag[1],
+            drag[2] - (ot * vr - or * vt),
+            drag[3] - ot,
+            drag[4] - (ot * cos_fold - or * sin_fold * m),
+            drag[5] - (ot * cos_lean * (2.0 * m) - or * sin_lean),
+        ];
+        let mut by = [V::zero(); UNKNOWNS];
+        for i in 0..UNKNOWNS {
+            by[i] = mixed[i] * softness;
+            block.by[i] = by[i].lanes();
+        }
         let mut entry = 0;
         for i in 0..UNKNOWNS {
+            gradient[i] = gradient[i] - row[i] * corrected;
             for j in 0..=i {
-                let value = normal[entry].sum();
-                sums.normal[i][j] = value;
-                sums.normal[j][i] = value;
-                let value = value + second[entry].sum();
-                sums.hessian[i][j] = value;
-                sums.hessian[j][i] = value;
+                normal[entry] = normal[entry] + row[i] * row[j];
                 entry += 1;
             }
         }
-        sums
+        if CURVED {
+            let mut entry = 0;
+            for i in 0..UNKNOWNS {
+                let (tangent, elimination) = (live * (drag[i] * by_square), live * by[i]);
+                // What the feet have still to go is part of a Newton step of both.
+                gradient[i] = gradient[i] - (tangent - elimination) * along;
+                for j in 0..=i {
+                    second[entry] = second[entry] + (tangent * drag[j] - elimination * mixed[j]);
+                    entry += 1;
+                }
+            }
+            // −o·∂²c/∂θ∂θ: only turning acts twice.
+            second[5] = second[5] + live * (or * rho + ot * tau);
+            second[8] = second[8] - live * ot;
+            second[12] = second[12] - live * (ot * cos_fold);
+            second[17] = second[17] + live * (or * sin_lean);
+        }
     }
+    let mut sums = Sums {
+        normal: [[0.0; UNKNOWNS]; UNKNOWNS],
+        hessian: [[0.0; UNKNOWNS]; UNKNOWNS],
+        gradient: [0.0; UNKNOWNS],
+        square: square.sum(),
+        slip: slip.sum(),
+        corrected: residual.sum(),
+        sharpest: sharpest.greatest(),
+    };
+    let mut entry = 0;
+    for i in 0..UNKNOWNS {
+        sums.gradient[i] = gradient[i].sum();
+        for j in 0..=i {
+            let value = normal[entry].sum();
+            sums.normal[i][j] = value;
+            sums.normal[j][i] = value;
+            let value = value + second[entry].sum();
+            sums.hessian[i][j] = value;
+            sums.hessian[j][i] = value;
+            entry += 1;
+        }
+    }
+    sums
 }
 
 vectorized! {
     /// Sum of squares of the corrected distances, and of their differences from each point to the next, round the outline, m².
-    pub(super) fn spread(all: &Blocks) -> (f64, f64) {
-        let (mut squares, mut differences) = (Lanes::ZERO, Lanes::ZERO);
+    pub(super) fn spread<V>(all: &Blocks) -> (f64, f64) {
+        let (mut squares, mut differences) = (V::zero(), V::zero());
         let (last, full) = all.blocks.split_last().expect("a profile has points");
         for (index, block) in full.iter().enumerate() {
-            let here = block.corrected;
-            let [_, b, c, d, e, f, g, h] = here.0;
-            let step = Lanes([b, c, d, e, f, g, h, all.blocks[index + 1].corrected.0[0]]) - here;
+            let here = V::of(&block.corrected);
+            let [_, b, c, d, e, f, g, h] = block.corrected.0;
+            let step = V::of(&Lanes([b, c, d, e, f, g, h, all.blocks[index + 1].corrected.0[0]])) - here;
             squares = squares + here * here;
             differences = differences + step * step;
         }
@@ -320,6 +361,17 @@ vectorized! {
             differences += (next - here) * (next - here);
         }
         (squares, differences)
+    }
+}
+
+vectorized! {
+    /// The greatest distance in size, m.
+    pub(super) fn farthest<V>(all: &Blocks) -> f64 {
+        let mut greatest = V::zero();
+        for block in &all.blocks {
+            greatest = greatest.max(V::of(&block.distance).abs());
+        }
+        greatest.greatest()
     }
 }
 
@@ -337,7 +389,7 @@ pub(super) struct Finish {
 
 vectorized! {
     /// Parameters, speeds and tangents at the feet as they are.
-    pub(super) fn finish(all: &Blocks, curve: &Curve) -> Finish {
+    pub(super) fn finish<V>(all: &Blocks, curve: &Curve) -> Finish {
         let size = all.blocks.len() * WIDTH;
         let mut finish = Finish {
             feet: Vec::with_capacity(size),
@@ -345,17 +397,17 @@ vectorized! {
             tangent: Vec::with_capacity(size),
             ascends: true,
         };
-        let mut least_turn = Lanes::all(f64::INFINITY);
+        let mut least_turn = V::all(f64::INFINITY);
         for block in &all.blocks {
-            let foot = (block.cos, block.sin);
+            let foot = (V::of(&block.cos), V::of(&block.sin));
             let Local { rho, tau, velocity: (vr, vt), .. } = local(&curve.hem, foot);
             let speed = (vr * vr + vt * vt).sqrt();
-            let (ex, ey) = (block.cos * curve.cos - block.sin * curve.sin, block.cos * curve.sin + block.sin * curve.cos);
+            let (ex, ey) = (foot.0 * curve.cos - foot.1 * curve.sin, foot.0 * curve.sin + foot.1 * curve.cos);
             let (tx, ty) = ((vr * ex - vt * ey) / speed, (vr * ey + vt * ex) / speed);
             least_turn = -((-least_turn).max(-(rho * vt - tau * vr)));
-            finish.feet.extend_from_slice(&angle(foot).0);
-            finish.speed.extend_from_slice(&speed.0);
-            finish.tangent.extend(tx.0.into_iter().zip(ty.0));
+            finish.feet.extend_from_slice(&angle((block.cos, block.sin)).0);
+            finish.speed.extend_from_slice(&speed.lanes().0);
+            finish.tangent.extend(tx.lanes().0.into_iter().zip(ty.lanes().0));
         }
         finish.feet.truncate(all.count);
         finish.speed.truncate(all.count);

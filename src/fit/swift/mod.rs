@@ -63,10 +63,9 @@ pub(super) fn fit(points: &[Point], folds: RangeInclusive<u32>, options: &Option
             swift.trials.push(Trial::left_aside(m, left));
             continue;
         }
-        let start = spectrum.curve(m, false);
-        let ended = match fit::fit(&mut blocks, &start, &wish) {
-            Ended::Lost => fit::fit(&mut blocks, &spectrum.curve(m, true), &wish),
-            ended => ended,
+        let ended = match spectrum::leaning(&blocks, m).map(|start| fit::fit(&mut blocks, &start, &wish)) {
+            None | Some(Ended::Lost) => fit::fit(&mut blocks, &spectrum.upright(m), &wish),
+            Some(ended) => ended,
         };
         match ended {
             Ended::Converged(optimum) if wish.beaten < optimum.sums.square => {

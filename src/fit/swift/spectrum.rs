@@ -6,8 +6,11 @@
 use super::kernel::{Blocks, Curve};
 use crate::experiment::Point;
 use crate::model::hem::Hem;
-use crate::numerics::lanes::{Lanes, multiple_angle, turned};
+use crate::numerics::lanes::{Lanes, WIDTH, multiple_angle, turned};
 use crate::vectorized;
+
+/// Least ratio of the mean square of the harmonic 3m to what it and the first leave for it to be believed.
+const STANDS_OUT: f64 = 0.1;
 
 /// Harmonics of the radius about the blocks' origin, which is the centroid.
 pub(super) struct Spectrum {
@@ -44,12 +47,11 @@ impl Spectrum {
         Spectrum { mean, variance, amplitudes }
     }
 
-    /// The same with two harmonics only: those of `folds`.
+    /// The same with one harmonic only: that of `folds`.
     pub(super) fn of_folds(all: &Blocks, folds: u32) -> Spectrum {
-        let (mean, variance, [first, third]) = harmonics_of(all, folds);
-        let mut amplitudes = vec![(0.0, 0.0); 3 * folds as usize];
+        let Turned { mean, variance, first, .. } = harmonics_of(all, folds);
+        let mut amplitudes = vec![(0.0, 0.0); folds as usize];
         amplitudes[folds as usize - 1] = first;
-        amplitudes[3 * folds as usize - 1] = third;
         Spectrum { mean, variance, amplitudes }
     }
 
@@ -63,45 +65,80 @@ impl Spectrum {
         (self.variance - explained).max(0.0).sqrt()
     }
 
-    /// The curve that has the harmonic m of the outline, with a lean by the third multiple if `lean`.
-    pub(super) fn curve(&self, folds: u32, lean: bool) -> Curve {
-        let m = f64::from(folds);
-        let (re, im) = self.amplitude(folds);
-        let amplitude = re.hypot(im);
-        let phase = im.atan2(re) / m;
-        let (sin, cos) = phase.sin_cos();
-        let (mut q, mut s) = (amplitude, 0.0);
-        if lean {
-            let (re, im) = self.amplitude(3 * folds);
-            let (sin, cos) = (3.0 * m * phase).sin_cos();
-            let third = re * cos + im * sin;
-            // What the lean adds to the first harmonic it takes from the third.
-            if 0.3 * amplitude < amplitude + third {
-                q = amplitude + third;
-                s = (-2.0 * self.mean * third / (m * q)).clamp(-0.15 * self.mean, 0.15 * self.mean);
-            }
-        }
-        Curve { x0: 0.0, y0: 0.0, cos, sin, hem: Hem { p: self.mean, q, s, folds } }
+    /// The curve that has the harmonic m of the outline, without lean.
+    pub(super) fn upright(&self, folds: u32) -> Curve {
+        let first = self.amplitude(folds);
+        curve(self.mean, first, folds, first.0.hypot(first.1), 0.0)
     }
+}
+
+/// The curve that has the harmonics m and 3m of the outline; `None` where the second does not stand out of what is left.
+///
+/// With E = mt and β = ms/p the angle is mθ = E + β sin 2E and the radius p + q cos E, so the harmonics of the radius are, by Bessel's integrals,
+/// q (J₀(β) + J₁(β)) and −⅓ q (J₁(3β) + J₂(3β)), overhanging or not.
+pub(super) fn leaning(all: &Blocks, folds: u32) -> Option<Curve> {
+    /// Where the second of them is greatest in size, either way.
+    const MOST: (f64, f64) = (-0.5, 0.62);
+    let Turned { mean, variance, first, third } = harmonics_of(all, folds);
+    let amplitude = first.0.hypot(first.1);
+    let (sin, cos) = (3.0 * first.1.atan2(first.0)).sin_cos();
+    let third = third.0 * cos + third.1 * sin;
+    let left = variance - 0.5 * (amplitude * amplitude + third * third);
+    if 0.5 * third * third < STANDS_OUT * left {
+        return None;
+    }
+    let harmonics = |beta: f64| {
+        let ([j0, j1, _], [_, k1, k2]) = (bessel(beta), bessel(3.0 * beta));
+        (j0 + j1, -(k1 + k2) / 3.0)
+    };
+    let (mut low, mut high) = MOST;
+    for _ in 0..10 {
+        let beta = 0.5 * (low + high);
+        let (one, three) = harmonics(beta);
+        if three * amplitude < third * one {
+            high = beta;
+        } else {
+            low = beta;
+        }
+    }
+    let beta = 0.5 * (low + high);
+    Some(curve(mean, first, folds, amplitude / harmonics(beta).0, beta * mean / f64::from(folds)))
+}
+
+/// J₀, J₁ and J₂ for |x| ≤ 2, to 1e-6.
+fn bessel(x: f64) -> [f64; 3] {
+    let (half, z) = (0.5 * x, 0.25 * x * x);
+    let series = |n: f64| {
+        let term = |k: f64, rest: f64| 1.0 - z / (k * (k + n)) * rest;
+        term(1.0, term(2.0, term(3.0, term(4.0, term(5.0, 1.0)))))
+    };
+    [series(0.0), half * series(1.0), 0.5 * half * half * series(2.0)]
+}
+
+fn curve(mean: f64, first: (f64, f64), folds: u32, q: f64, s: f64) -> Curve {
+    let (sin, cos) = (first.1.atan2(first.0) / f64::from(folds)).sin_cos();
+    Curve { x0: 0.0, y0: 0.0, cos, sin, hem: Hem { p: mean, q, s, folds } }
 }
 
 vectorized! {
     /// Mean radius, its mean square departure, and the amplitudes of harmonics 1 … `highest`.
-    fn harmonics(all: &Blocks, highest: u32) -> (f64, f64, Vec<(f64, f64)>) {
+    fn harmonics<V>(all: &Blocks, highest: u32) -> (f64, f64, Vec<(f64, f64)>) {
         let n = all.count as f64;
-        let mut mean = Lanes::ZERO;
+        let mut mean = V::zero();
         for (index, block) in all.blocks.iter().enumerate() {
-            mean = mean + all.live(index) * (block.x * block.x + block.y * block.y).sqrt();
+            let (x, y) = (V::of(&block.x), V::of(&block.y));
+            mean = mean + V::of(&all.live(index)) * (x * x + y * y).sqrt();
         }
         let mean = mean.sum() / n;
-        let mut square = Lanes::ZERO;
-        let mut sums = vec![(Lanes::ZERO, Lanes::ZERO); highest as usize];
+        let mut square = V::zero();
+        let mut sums = vec![(V::zero(), V::zero()); highest as usize];
         for (index, block) in all.blocks.iter().enumerate() {
-            let radius = (block.x * block.x + block.y * block.y).sqrt();
-            let departure = all.live(index) * (radius - mean);
+            let (x, y) = (V::of(&block.x), V::of(&block.y));
+            let radius = (x * x + y * y).sqrt();
+            let departure = V::of(&all.live(index)) * (radius - mean);
             square = square + departure * departure;
-            let inverse = 1.0 / radius;
-            let unit = (block.x * inverse, block.y * inverse);
+            let inverse = V::all(1.0) / radius;
+            let unit = (x * inverse, y * inverse);
             let mut power = (departure * unit.0, departure * unit.1);
             for sum in &mut sums {
                 (sum.0, sum.1) = (sum.0 + power.0, sum.1 + power.1);
@@ -113,34 +150,71 @@ vectorized! {
     }
 }
 
+/// Harmonics of the radius as a function of the angle, by the angle that the outline turns through from point to point, to and fro.
+#[derive(Default)]
+struct Turned {
+    /// Mean radius, m.
+    mean: f64,
+    /// Mean square departure from it, m².
+    variance: f64,
+    /// Amplitudes (cos, sin) of the harmonics m and 3m.
+    first: (f64, f64),
+    third: (f64, f64),
+}
+
 vectorized! {
-    /// Mean radius, its mean square departure, and the amplitudes of harmonics `folds` and 3 `folds`.
-    fn harmonics_of(all: &Blocks, folds: u32) -> (f64, f64, [(f64, f64); 2]) {
-        let n = all.count as f64;
-        let mut mean = Lanes::ZERO;
-        let mut square = Lanes::ZERO;
-        let mut sums = [(Lanes::ZERO, Lanes::ZERO); 2];
-        let mut bare = [(Lanes::ZERO, Lanes::ZERO); 2];
-        for (index, block) in all.blocks.iter().enumerate() {
-            let live = all.live(index);
-            let squared = block.x * block.x + block.y * block.y;
+    fn harmonics_of<V>(all: &Blocks, folds: u32) -> Turned {
+        let (mut turn, mut mean, mut square) = (V::zero(), V::zero(), V::zero());
+        let mut sums = [V::zero(); 4];
+        let mut bare = [V::zero(); 4];
+        let blocks = &all.blocks;
+        // Lanes beyond the last point hold the first one again.
+        let end = (all.count - 1) % WIDTH;
+        let mut before = (blocks[blocks.len() - 1].x.0[end], blocks[blocks.len() - 1].y.0[end]);
+        for (index, block) in blocks.iter().enumerate() {
+            let next = blocks.get(index + 1).unwrap_or(&blocks[0]);
+            let after = (shifted_back(&block.x, next.x.0[0]), shifted_back(&block.y, next.y.0[0]));
+            let behind = (shifted_on(&block.x, before.0), shifted_on(&block.y, before.1));
+            before = (block.x.0[WIDTH - 1], block.y.0[WIDTH - 1]);
+            let (x, y) = (V::of(&block.x), V::of(&block.y));
+            let chord = (V::of(&after.0) - V::of(&behind.0), V::of(&after.1) - V::of(&behind.1));
+            let squared = x * x + y * y;
             let radius = squared.sqrt();
-            let inverse = 1.0 / radius;
-            mean = mean + live * radius;
-            square = square + live * squared;
-            let first = multiple_angle(folds, (block.x * inverse, block.y * inverse));
+            let inverse = V::all(1.0) / radius;
+            let weight = V::of(&all.live(index)) * ((x * chord.1 - y * chord.0) * (inverse * inverse));
+            let first = multiple_angle(folds, (x * inverse, y * inverse));
             let third = turned(turned(first, first), first);
-            for (k, (cos, sin)) in [first, third].into_iter().enumerate() {
-                sums[k] = (sums[k].0 + live * (radius * cos), sums[k].1 + live * (radius * sin));
-                bare[k] = (bare[k].0 + live * cos, bare[k].1 + live * sin);
+            let heavy = weight * radius;
+            turn = turn + weight;
+            mean = mean + heavy;
+            square = square + weight * squared;
+            let waves = [first.0, first.1, third.0, third.1];
+            for k in 0..4 {
+                sums[k] = sums[k] + heavy * waves[k];
+                bare[k] = bare[k] + weight * waves[k];
             }
         }
-        let mean = mean.sum() / n;
-        let amplitude = |k: usize| {
-            // Points that are not even in angle: the mean radius has a share of its own in the sums.
-            let (re, im) = (sums[k].0.sum() - mean * bare[k].0.sum(), sums[k].1.sum() - mean * bare[k].1.sum());
-            (2.0 * re / n, 2.0 * im / n)
-        };
-        (mean, square.sum() / n - mean * mean, [amplitude(0), amplitude(1)])
+        let turn = turn.sum();
+        let mean = mean.sum() / turn;
+        let mut amplitudes = [0.0; 4];
+        for k in 0..4 {
+            amplitudes[k] = 2.0 * (sums[k].sum() - mean * bare[k].sum()) / turn;
+        }
+        let [a, b, c, d] = amplitudes;
+        Turned { mean, variance: square.sum() / turn - mean * mean, first: (a, b), third: (c, d) }
     }
+}
+
+/// Each lane's follower.
+#[inline(always)]
+fn shifted_back(lanes: &Lanes, last: f64) -> Lanes {
+    let [_, b, c, d, e, f, g, h] = lanes.0;
+    Lanes([b, c, d, e, f, g, h, last])
+}
+
+/// Each lane's forerunner.
+#[inline(always)]
+fn shifted_on(lanes: &Lanes, first: f64) -> Lanes {
+    let [a, b, c, d, e, f, g, _] = lanes.0;
+    Lanes([first, a, b, c, d, e, f, g])
 }

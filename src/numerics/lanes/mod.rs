@@ -1,0 +1,282 @@
+//! Eight numbers at a time: the same bits whichever vector instructions a machine has.
+//!
+//! Every operation is the plain IEEE one on each lane, nothing is fused, and sums are taken in one fixed order. [`Lanes`] is how eight numbers lie in
+//! memory; a kernel is written once over [`Vector`] and compiled for each kind of register ([`vectorized!`](crate::vectorized)).
+
+#[cfg(target_arch = "x86_64")]
+pub mod registers;
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Numbers in one [`Lanes`]: one 512-bit register, or two of 256 bit.
+pub const WIDTH: usize = 8;
+
+/// Eight numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes(pub [f64; WIDTH]);
+
+/// Eight numbers under arithmetic, in whatever registers hold them.
+pub trait Vector:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The same number in every lane.
+    fn all(value: f64) -> Self;
+
+    /// From memory.
+    fn of(lanes: &Lanes) -> Self;
+
+    /// To memory.
+    fn lanes(self) -> Lanes;
+
+    fn sqrt(self) -> Self;
+
+    fn abs(self) -> Self;
+
+    /// Lane by lane `yes` where `low` is less than `high`, else `no`.
+    fn choose(low: Self, high: Self, yes: Self, no: Self) -> Self;
+
+    /// Zero in every lane.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::all(0.0)
+    }
+
+    /// Lane by lane `self` where it is greater than `bound`, else `other`.
+    #[inline(always)]
+    fn where_above(self, bound: Self, other: Self) -> Self {
+        Self::choose(bound, self, self, other)
+    }
+
+    /// The greater of each pair.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.where_above(other, other)
+    }
+
+    /// Each lane held within ± `limit`; NaN stays NaN.
+    #[inline(always)]
+    fn within(self, limit: f64) -> Self {
+        let (greatest, least) = (Self::all(limit), Self::all(-limit));
+        let below = Self::choose(greatest, self, greatest, self);
+        Self::choose(below, least, least, below)
+    }
+
+    /// Sum of all lanes, always in the same order.
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        let Lanes([a, b, c, d, e, f, g, h]) = self.lanes();
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    }
+
+    /// The greatest lane.
+    #[inline(always)]
+    fn greatest(self) -> f64 {
+        self.lanes().0.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl Lanes {
+    pub const ZERO: Lanes = Lanes([0.0; WIDTH]);
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> Lanes {
+        let mut result = self.0;
+        for value in &mut result {
+            *value = f(*value);
+        }
+        Lanes(result)
+    }
+}
+
+impl Vector for Lanes {
+    #[inline(always)]
+    fn all(value: f64) -> Lanes {
+        Lanes([value; WIDTH])
+    }
+
+    #[inline(always)]
+    fn of(lanes: &Lanes) -> Lanes {
+        *lanes
+    }
+
+    #[inline(always)]
+    fn lanes(self) -> Lanes {
+        self
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Lanes {
+        self.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Lanes {
+        self.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn choose(low: Lanes, high: Lanes, yes: Lanes, no: Lanes) -> Lanes {
+        Lanes(std::array::from_fn(|lane| if low.0[lane] < high.0[lane] { yes.0[lane] } else { no.0[lane] }))
+    }
+}
+
+macro_rules! lane_by_lane {
+    ($operation:ident, $function:ident, $sign:tt) => {
+        impl $operation for Lanes {
+            type Output = Lanes;
+            #[inline(always)]
+            #[allow(clippy::assign_op_pattern)] // The sign is a token of its own.
+            fn $function(self, other: Lanes) -> Lanes {
+                let mut result = self.0;
+                for (own, other) in result.iter_mut().zip(&other.0) {
+                    *own = *own $sign other;
+                }
+                Lanes(result)
+            }
+        }
+        impl $operation<f64> for Lanes {
+            type Output = Lanes;
+            #[inline(always)]
+            fn $function(self, other: f64) -> Lanes {
+                self.map(|x| x $sign other)
+            }
+        }
+    };
+}
+
+lane_by_lane!(Add, add, +);
+lane_by_lane!(Sub, sub, -);
+lane_by_lane!(Mul, mul, *);
+lane_by_lane!(Div, div, /);
+
+impl Neg for Lanes {
+    type Output = Lanes;
+    #[inline(always)]
+    fn neg(self) -> Lanes {
+        self.map(|x| -x)
+    }
+}
+
+/// `(cos kt, sin kt)` from `(cos t, sin t)` by squaring and multiplying, k ≥ 1: no sine of its own. The relative error is about k ε.
+#[inline(always)]
+pub fn multiple_angle<V: Vector>(k: u32, (cos, sin): (V, V)) -> (V, V) {
+    let mut square = (cos, sin);
+    let mut left = k;
+    while left & 1 == 0 {
+        square = doubled(square);
+        left >>= 1;
+    }
+    let mut power = square;
+    left >>= 1;
+    while left != 0 {
+        square = doubled(square);
+        if left & 1 == 1 {
+            power = turned(power, square);
+        }
+        left >>= 1;
+    }
+    power
+}
+
+/// (cos, sin) of the sum of two angles.
+#[inline(always)]
+pub fn turned<V: Vector>((a, b): (V, V), (c, d): (V, V)) -> (V, V) {
+    (a * c - b * d, a * d + b * c)
+}
+
+#[inline(always)]
+fn doubled<V: Vector>((cos, sin): (V, V)) -> (V, V) {
+    (cos * cos - sin * sin, (cos * sin) * 2.0)
+}
+
+/// Runs `$body` in the widest registers that this machine has.
+///
+/// `vectorized! { fn name<V>(argument: Type, …) -> Type { body } }`; V is the [`Vector`](crate::numerics::lanes::Vector) of the registers. The body is
+/// compiled three times, and gives the same bits each time, because no operation is fused or reordered.
+#[macro_export]
+macro_rules! vectorized {
+    ($(#[$meta:meta])* $visibility:vis fn $name:ident<$vector:ident>($($argument:ident: $kind:ty),* $(,)?) -> $result:ty $body:block) => {
+        $(#[$meta])*
+        $visibility fn $name($($argument: $kind),*) -> $result {
+            #[inline(always)]
+            fn on<$vector: $crate::numerics::lanes::Vector>($($argument: $kind),*) -> $result $body
+
+            #[cfg(target_arch = "x86_64")]
+            {
+                use $crate::numerics::lanes::registers::{Pair256, Single512};
+                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+                fn widest($($argument: $kind),*) -> $result {
+                    on::<Single512>($($argument),*)
+                }
+                #[target_feature(enable = "avx2")]
+                fn wide($($argument: $kind),*) -> $result {
+                    on::<Pair256>($($argument),*)
+                }
+                if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512vl") {
+                    // SAFETY: the machine has just been asked for these instructions.
+                    return unsafe { widest($($argument),*) };
+                }
+                if is_x86_feature_detected!("avx2") {
+                    // SAFETY: the machine has just been asked for these instructions.
+                    return unsafe { wide($($argument),*) };
+                }
+            }
+            on::<$crate::numerics::lanes::Lanes>($($argument),*)
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn multiple_angles_agree_with_sines_of_their_own() {
+        for k in 1..=180 {
+            let angles: [f64; WIDTH] = std::array::from_fn(|i| 0.7 * i as f64 - 2.0);
+            let (cos, sin) = multiple_angle(k, (Lanes(angles.map(f64::cos)), Lanes(angles.map(f64::sin))));
+            for (lane, angle) in angles.iter().enumerate() {
+                let (s, c) = (f64::from(k) * angle).sin_cos();
+                // Rounding of cos and sin, multiplied by k.
+                assert!((cos.0[lane] - c).abs() + (sin.0[lane] - s).abs() < 1e-15 * f64::from(k) + 1e-15, "{k} {angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn wide_instructions_give_the_same_bits_as_plain_ones() {
+        #[inline(always)]
+        fn every_operation<V: Vector>(x: V) -> V {
+            let mut sum = V::zero();
+            for i in 0..100 {
+                let y = (x * f64::from(i) + 0.1).sqrt() / (x.abs() + V::all(0.3)) - 1.0;
+                let (cos, sin) = multiple_angle(7, (y.within(0.8), -y));
+                sum = sum + cos.where_above(V::all(0.1), sin).max(y - x);
+            }
+            sum
+        }
+        vectorized! {
+            fn wide<V>(x: &Lanes) -> Lanes {
+                every_operation(V::of(x)).lanes()
+            }
+        }
+        for x in [
+            Lanes([0.1, 0.2, 0.3, 0.7, 1.9, 2.3, 5.5, 7.1]),
+            Lanes([-0.0, 0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-300]),
+        ] {
+            let (plain, wide) = (every_operation(x).0, wide(&x).0);
+            // A NaN is a NaN whatever its sign.
+            let bits = |v: [f64; WIDTH]| v.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() });
+            assert_eq!(bits(plain), bits(wide), "{plain:?} {wide:?}");
+        }
+    }
+}
