@@ -26,7 +26,7 @@ hemline run spring --out spring-report\n\n\
 Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV: fits, models, folds, candidates,\n\
 predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
-fidelities, fidelity_summary. docs/results.md describes every column.\n\n\
+fidelities, fidelity_summary, identify. docs/results.md describes every column.\n\n\
 Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]
 pub struct Run {
     /// The campaign's folder.

@@ -44,8 +44,8 @@ fn tiles(pattern: &Pattern, sheet: &Sheet, lines: usize, width: f64, height: f64
         pattern.cut.iter().chain(&pattern.seam).flat_map(|s: &Stroke| s.points(200)).map(|p| sheet.at(p)).collect();
     let (place, bar) = lettering(pattern);
     let (x, y) = sheet.at(place);
-    let (half, tall) = (0.5 * bar / crate::units::MILLIMETRE, LETTERS * (1.0 + lines as f64));
-    drawn.extend([-1.0, 0.0, 1.0].iter().flat_map(|i| [-1.0, 0.0, 1.0].map(|j| (x + i * half, y + j * tall))));
+    let (half, high_up) = (0.5 * bar / crate::units::MILLIMETRE, LETTERS * (1.0 + lines as f64));
+    drawn.extend([-1.0, 0.0, 1.0].iter().flat_map(|i| [-1.0, 0.0, 1.0].map(|j| (x + i * half, y + j * high_up))));
     let mut pages = Vec::new();
     for row in 0..rows {
         for column in 0..columns {
@@ -63,7 +63,8 @@ fn tiles(pattern: &Pattern, sheet: &Sheet, lines: usize, width: f64, height: f64
         coordinate(width),
         coordinate(height)
     );
-    let drawing = coordinate(sheet.width);
+    // Both sides: a picture of which only one is given is cut to the window that it stands in.
+    let (drawing, tall) = (coordinate(sheet.width), coordinate(sheet.height));
     for (i, (row, column, left, top)) in pages.into_iter().enumerate() {
         let [left, top] = [left, top].map(|v| coordinate(-v));
         if 0 < i {
@@ -71,7 +72,7 @@ fn tiles(pattern: &Pattern, sheet: &Sheet, lines: usize, width: f64, height: f64
         }
         out += &format!(
             "#place(top + left, dx: {MARGIN}mm, dy: {MARGIN}mm, box(width: {wide}mm, height: {high}mm, clip: true, \
-             place(top + left, dx: {left}mm, dy: {top}mm, image(\"pattern.svg\", width: {drawing}mm))))\n\
+             place(top + left, dx: {left}mm, dy: {top}mm, image(\"pattern.svg\", width: {drawing}mm, height: {tall}mm))))\n\
              #place(top + left, dx: {MARGIN}mm, dy: {MARGIN}mm, rect(width: {wide}mm, height: {high}mm, stroke: (paint: gray, thickness: 0.2mm, dash: \"dashed\")))\n\
              #place(top + left, dx: {MARGIN}mm, dy: 4mm)[row {} of {rows}, column {} of {columns} (sheet {} of {total}); frames overlap by {OVERLAP} mm; print at 100 %]\n",
             row + 1,
