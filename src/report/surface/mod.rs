@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+pub use self::gltf::{glb, gltf};
 pub use colour::{Colour, Legend};
-pub use gltf::{glb, gltf};
 pub use obj::obj;
 pub use ply::ply;
 pub use stl::stl;
