@@ -54,20 +54,23 @@ fn allowed() -> BTreeMap<&'static str, (Vec<&'static str>, Vec<&'static str>)> {
                 "serde",
                 "serde_json",
                 "tempfile",
+                "toml",
                 "polars",
+                "rust_xlsxwriter",
             ],
         ),
     ];
     rows.into_iter().map(|(layer, layers, crates)| (layer, (layers.to_vec(), crates.to_vec()))).collect()
 }
 
-/// Crates that must enter by one door only.
-const DOORS: [(&str, &str); 16] = [
+/// Crates that must enter by these doors only; most have one.
+const DOORS: [(&str, &str); 20] = [
     ("argmin", "numerics/minimize.rs"),
     ("statrs", "statistics/"),
     ("clap", "cli/"),
     ("indicatif", "cli/"),
     ("polars", "import/"),
+    ("polars", "report/columnar.rs"),
     ("tobj", "import/mesh/obj.rs"),
     ("ply_rs_bw", "import/mesh/ply.rs"),
     ("stl_io", "import/mesh/stl.rs"),
@@ -78,6 +81,9 @@ const DOORS: [(&str, &str); 16] = [
     ("flate2", "import/"),
     ("glob", "import/"),
     ("rust_xlsxwriter", "cli/workbook.rs"),
+    ("rust_xlsxwriter", "report/spreadsheet.rs"),
+    ("toml", "report/letterhead.rs"),
+    ("toml", "import/"),
     ("plotters", "report/figure/"),
 ];
 
@@ -158,10 +164,9 @@ fn outside_crates_enter_by_their_doors_only() {
             {
                 faults.push(format!("{file} uses the crate {name}"));
             }
-            if let Some((_, door)) = DOORS.iter().find(|(door, _)| door == name)
-                && !file.starts_with(door)
-            {
-                faults.push(format!("{file} uses {name}, whose door is {door}"));
+            let doors: Vec<&str> = DOORS.iter().filter(|(door, _)| door == name).map(|(_, file)| *file).collect();
+            if !doors.is_empty() && !doors.iter().any(|door| file.starts_with(door)) {
+                faults.push(format!("{file} uses {name}, whose door is {}", doors.join(" or ")));
             }
         }
     }

@@ -196,6 +196,7 @@ const HEAD: &str = r#"# A drape campaign, read by `hemline run`. Lines marked wi
 
 title = ""          # ← what the campaign is about
 origin = ""         # ← who measured what, where and when; printed wherever the numbers appear
+# language = "ru"   # of the report: "en" (unless told) or "ru"
 apparatus = "APPARATUS"  # "skirt": a conic skirt hanging from a waist ring; "drapemeter": a disc of cloth on a support disc
 "#;
 

@@ -12,6 +12,7 @@ mod pictures;
 pub mod predict;
 mod profiles;
 pub mod regress;
+pub mod report;
 pub mod run;
 pub mod skirt;
 pub mod surface;
@@ -48,6 +49,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Run),
+    Report(report::Report),
     Fit(fit::Fit),
     Mesh(mesh::Mesh),
     Predict(predict::Predict),
@@ -66,6 +68,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let outcome = match cli.command.unwrap_or(Command::Run(run::Run::default())) {
         Command::Run(args) => run::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Mesh(args) => mesh::run(&args),
         Command::Predict(args) => predict::run(&args),

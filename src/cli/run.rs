@@ -7,10 +7,11 @@ use clap::Args;
 
 use crate::cli::pictures::write_overlays;
 use crate::cli::print;
+use crate::cli::report::ReportFlags;
 use crate::error::Error;
 use crate::import;
 use crate::report::number::fixed;
-use crate::report::{self, words};
+use crate::report::{self, Part, words};
 use crate::statistics::box_wilson::Analysis;
 use crate::study::campaign::CampaignStudy;
 use crate::study::overview::overview;
@@ -23,7 +24,8 @@ use crate::units::{MILLIMETRE, PERCENT};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  hemline run                         the campaign in data/, the report in reports/\n  \
 hemline run spring --out spring-report\n\n\
-Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV: fits, models, folds, candidates,\n\
+Writes report.pdf, summary.json, figures/*.png, overlays/*.png (each silhouette with its traced outline), and as CSV, in parquet/ and as sheets of\n\
+report.xlsx: fits, models, folds, candidates,\n\
 predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
 fidelities, fidelity_summary, identify. docs/results.md describes every column.\n\n\
@@ -41,11 +43,13 @@ pub struct Run {
     /// Print summary.json on stdout instead of the summary in words.
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub flags: ReportFlags,
 }
 
 impl Default for Run {
     fn default() -> Self {
-        Run { campaign: "data".into(), out: "reports".into(), no_pictures: false, json: false }
+        Run { campaign: "data".into(), out: "reports".into(), no_pictures: false, json: false, flags: ReportFlags::default() }
     }
 }
 
@@ -54,27 +58,36 @@ impl Default for Run {
 /// # Errors
 /// Those of [`import::load`] and [`report::write`].
 pub fn run(args: &Run) -> Result<ExitCode, Error> {
+    // A header that cannot be used is said before the campaign is analysed.
+    args.flags.letterhead()?;
     let mut imported = import::load(&args.campaign)?;
     let silhouettes = std::mem::take(&mut imported.silhouettes);
     let (study, bar) = super::analysed(imported);
     bar.set_message("Writing the report");
-    let provenance = report::Provenance { settings: settings(&study), date: report::Date::from_environment() };
-    let options = report::Options { provenance, pictures: !args.no_pictures };
+    let mut options = args.flags.options(&study)?;
+    if args.no_pictures {
+        options.parts.remove(&Part::Figures);
+    }
     let mut written = report::write(&study, &args.out, &options)?;
     written.extend(write_overlays(&silhouettes, "run", &args.out)?);
     bar.finish_and_clear();
     if args.json {
-        let summary = args.out.join("summary.json");
-        print(&std::fs::read_to_string(&summary).map_err(|source| Error::file(summary, source))?)?;
+        let json = report::summary::text(&study, &options.provenance)?;
+        print(&json)?;
     } else {
-        print(&summary(&study, &args.out, written.len()))?;
+        print(&summary(&study, &args.out, &written))?;
     }
+    Ok(exit(&study))
+}
+
+/// 0 where every run is fitted and nothing was set aside, else 1.
+pub(super) fn exit(study: &CampaignStudy) -> ExitCode {
     let whole = study.quarantine.is_empty() && study.runs.iter().all(|run| run.fit.is_ok());
-    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    if whole { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }
 
 /// What was asked, in words, for the provenance page.
-fn settings(study: &CampaignStudy) -> Vec<(String, String)> {
+pub(super) fn settings(study: &CampaignStudy) -> Vec<(String, String)> {
     use crate::experiment::campaign::{Folds, HemLength};
     let campaign = &study.campaign;
     let folds = match campaign.folds {
@@ -97,7 +110,7 @@ fn settings(study: &CampaignStudy) -> Vec<(String, String)> {
 }
 
 /// What a person wants to know before opening the report.
-fn summary(study: &CampaignStudy, out: &Path, files: usize) -> String {
+fn summary(study: &CampaignStudy, out: &Path, written: &[PathBuf]) -> String {
     let seen = overview(&study.runs);
     let mut text = format!("{}\n{}\n\n", study.campaign.title, study.campaign.origin);
     let mut say = |line: String| {
@@ -161,7 +174,11 @@ fn summary(study: &CampaignStudy, out: &Path, files: usize) -> String {
     for note in &study.notes {
         say(format!("Note      {note}"));
     }
-    say(format!("\n{} ({files} files in {})", out.join("report.pdf").display(), out.display()));
+    let files = written.len();
+    match written.first() {
+        Some(first) => say(format!("\n{} ({files} files in {})", first.display(), out.display())),
+        None => say("\nNothing was written.".into()),
+    }
     text
 }
 

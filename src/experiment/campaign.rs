@@ -37,6 +37,26 @@ pub enum HemLength {
     Held(f64),
 }
 
+/// Which language a report is written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Language {
+    #[default]
+    #[serde(rename = "en")]
+    English,
+    #[serde(rename = "ru")]
+    Russian,
+}
+
+impl Language {
+    /// As campaign files and the command line spell it.
+    pub fn code(self) -> &'static str {
+        match self {
+            Language::English => "en",
+            Language::Russian => "ru",
+        }
+    }
+}
+
 /// Which grey of a picture is the cloth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -222,4 +242,6 @@ pub struct Campaign {
     pub meshes: Meshes,
     /// What `hemline check` holds it to.
     pub check: CheckRules,
+    /// Of the report, unless another is asked for.
+    pub language: Language,
 }

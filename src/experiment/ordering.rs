@@ -36,14 +36,25 @@ const SMOOTH: f64 = 0.9;
 const MOST_STEPS: f64 = 8.0;
 /// … that goes back by less than an eighth of a turn about its middle, all in all, rad …
 const MOST_BACK: f64 = std::f64::consts::FRAC_PI_4;
+/// … or half a turn where means are looked at, whose steps are known to be short: overhanging folds go back …
+const MOST_BACK_OF_MEANS: f64 = std::f64::consts::PI;
 /// … and turns back on the spot at no more than this share of its points: with eight steps each, they add a sixth to its length, far from [`DETOUR`].
 const MOST_REVERSALS: f64 = 0.02;
+
+/// Means of two points in a row are taken, again and again, while at least this many are left: eight for each of sixty folds.
+const FEWEST_MEANS: usize = 480;
+/// Neighbours in the list that make a cloud or a line.
+const GROUP: usize = 8;
+/// A step of this share of the extent passes, three flanks of a fold together, over less than [`JUMP_SHARE`] of the points.
+const SHORT_STEP: f64 = 0.04;
+/// Least ratio of the shorter mean square axis of groups to the longer: some 0.25 in a round cloud of eight, nothing on a curve.
+const ROUND: f64 = 0.1;
 
 /// `None` if the given order goes round the outline; else the order that does, as indices into `points`.
 ///
 /// Points are finite and distinct, at least four. O(n log n), but for the exchanges of the tour, which are few on a curve.
 pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
-    if plainly_in_order(points) {
+    if plainly_in_order(points, MOST_BACK) || in_order_through_noise(points) {
         return None;
     }
     let tree = Neighbours::new(points);
@@ -73,7 +84,7 @@ pub(super) fn reorder(points: &[Point]) -> Option<Vec<usize>> {
 ///
 /// Going round alone is not enough: the points of an overhanging fold, sorted by angle, go to and fro between its flanks. So turns back on the
 /// spot are counted too. Any doubt is left to the neighbours; O(n), without trigonometry.
-fn plainly_in_order(points: &[Point]) -> bool {
+fn plainly_in_order(points: &[Point], most_back: f64) -> bool {
     let n = points.len();
     let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.x, y + p.y));
     let middle = Point::new(x / n as f64, y / n as f64);
@@ -105,7 +116,56 @@ fn plainly_in_order(points: &[Point]) -> bool {
         reversals += usize::from(came.x * goes.x + came.y * goes.y < 0.0);
         (a, came) = (b, goes);
     }
-    turns.abs() == 1 && back.min(forth) <= MOST_BACK && reversals as f64 <= MOST_REVERSALS * n as f64
+    turns.abs() == 1 && back.min(forth) <= most_back && reversals as f64 <= MOST_REVERSALS * n as f64
+}
+
+/// Whether noise wider than the spacing of the points hides an order that their means show: no tour can find a better one then. O(n).
+///
+/// Steps are too short to be jumps; neighbours in the list form clouds, not pieces of a line, so that no smooth way leads through them; and the means
+/// of so many in a row that the noise is averaged out are plainly in order.
+fn in_order_through_noise(points: &[Point]) -> bool {
+    let n = points.len();
+    if n < 2 * FEWEST_MEANS {
+        return false;
+    }
+    let (mut low, mut high) = (points[0], points[0]);
+    for p in points {
+        (low, high) = (Point::new(low.x.min(p.x), low.y.min(p.y)), Point::new(high.x.max(p.x), high.y.max(p.y)));
+    }
+    let most = SHORT_STEP * (high.x - low.x).min(high.y - low.y);
+    if (0..n).any(|i| most * most < squared_distance(points[i], points[(i + 1) % n])) || !are_clouds(points) {
+        return false;
+    }
+    let mut means = points.to_vec();
+    while 2 * FEWEST_MEANS <= means.len() {
+        means = means.chunks(2).map(mean).collect();
+        if plainly_in_order(&means, MOST_BACK_OF_MEANS) {
+            return true;
+        }
+    }
+    false
+}
+
+/// Whether groups of neighbours in the list are, taken together, more nearly round than long.
+fn are_clouds(points: &[Point]) -> bool {
+    let (mut longer, mut shorter) = (0.0, 0.0);
+    for group in points.chunks_exact(GROUP) {
+        let middle = mean(group);
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for p in group {
+            let (dx, dy) = (p.x - middle.x, p.y - middle.y);
+            (xx, xy, yy) = (xx + dx * dx, xy + dx * dy, yy + dy * dy);
+        }
+        let (half, spread) = (0.5 * (xx + yy), (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt());
+        longer += half + spread;
+        shorter += half - spread;
+    }
+    ROUND * longer < shorter
+}
+
+fn mean(points: &[Point]) -> Point {
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.x, y + p.y));
+    Point::new(x / points.len() as f64, y / points.len() as f64)
 }
 
 /// The way from one point to another, m.
@@ -294,6 +354,26 @@ mod tests {
     }
 
     #[test]
+    fn dense_noise_is_seen_through_by_means_and_a_scrambled_curve_is_not_taken_for_it() {
+        let mut random = ChaCha8Rng::seed_from_u64(8);
+        for (n, sigma) in [(20_000, 0.001), (100_000, 0.001), (100_000, 0.0003)] {
+            let noisy = shaken(&hem(n, 8.0, 0.06, 0.03), sigma, &mut random);
+            assert!(!plainly_in_order(&noisy, MOST_BACK) && in_order_through_noise(&noisy), "{n} points, noise {sigma} m");
+            let mut shuffled = noisy;
+            shuffled.shuffle(&mut random);
+            assert!(!in_order_through_noise(&shuffled), "{n} points shuffled");
+        }
+        // Neighbours that have changed places on a clean curve lie on a line, not in a cloud.
+        let mut scrambled = hem(20_000, 8.0, 0.06, 0.03);
+        scrambled.chunks_mut(16).for_each(|window| window.shuffle(&mut random));
+        assert!(!in_order_through_noise(&scrambled));
+        // One point out of place is a jump.
+        let mut misplaced = shaken(&hem(20_000, 8.0, 0.06, 0.03), 0.001, &mut random);
+        misplaced.swap(100, 10_000);
+        assert!(!in_order_through_noise(&misplaced));
+    }
+
+    #[test]
     fn noise_wider_than_the_spacing_does_not_lose_the_given_order() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         for (n, sigma) in [(360, 0.004), (360, 0.012), (2000, 0.002), (2000, 0.01), (20_000, 0.005)] {
@@ -362,7 +442,7 @@ mod tests {
         let mut sorted: Vec<usize> = (0..360).collect();
         sorted.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
         assert!(right_links(&sorted) < 300, "the hem does not overhang");
-        assert!(!plainly_in_order(&sorted.iter().map(|&i| points[i]).collect::<Vec<_>>()));
+        assert!(!plainly_in_order(&sorted.iter().map(|&i| points[i]).collect::<Vec<_>>(), MOST_BACK));
     }
 
     #[test]
@@ -373,9 +453,9 @@ mod tests {
             // A sixth of the mean spacing.
             let noisy = shaken(&points, 0.2 / n as f64, &mut random);
             for mut points in [points, noisy] {
-                assert!(plainly_in_order(&points), "{n} points");
+                assert!(plainly_in_order(&points, MOST_BACK), "{n} points");
                 points.reverse();
-                assert!(plainly_in_order(&points), "{n} points, clockwise");
+                assert!(plainly_in_order(&points, MOST_BACK), "{n} points, clockwise");
             }
         }
     }
@@ -390,20 +470,20 @@ mod tests {
         for at in 0..300 {
             let mut order = ring();
             order.swap(at, at + 40);
-            assert!(!plainly_in_order(&mixed(&order)), "{at}");
+            assert!(!plainly_in_order(&mixed(&order), MOST_BACK), "{at}");
             let mut order = ring();
             order[at..at + 60].reverse();
-            assert!(!plainly_in_order(&mixed(&order)), "{at} turned round");
+            assert!(!plainly_in_order(&mixed(&order), MOST_BACK), "{at} turned round");
         }
         let mut order = ring();
         order.chunks_mut(2).for_each(|pair| pair.reverse());
-        assert!(!plainly_in_order(&mixed(&order)));
+        assert!(!plainly_in_order(&mixed(&order), MOST_BACK));
         order.sort_by_key(|i| (i % 2, *i));
-        assert!(!plainly_in_order(&mixed(&order)));
+        assert!(!plainly_in_order(&mixed(&order), MOST_BACK));
         for block in [3, 5, 20, 360] {
             let mut order = ring();
             order.chunks_mut(block).for_each(|rows| rows.shuffle(&mut random));
-            assert!(!plainly_in_order(&mixed(&order)), "blocks of {block}");
+            assert!(!plainly_in_order(&mixed(&order), MOST_BACK), "blocks of {block}");
         }
     }
 

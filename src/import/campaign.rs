@@ -90,6 +90,7 @@ pub fn load(folder: &Path) -> Result<Imported, Error> {
         pictures: file.pictures,
         meshes: file.meshes,
         check: file.check,
+        language: file.language,
     };
     known_runs(&toml, &campaign, &quarantine)?;
     Ok(Imported { campaign, profiles, quarantine, sources, silhouettes, notes })

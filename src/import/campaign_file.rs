@@ -16,7 +16,7 @@ use super::wishes::{WishEntry, wishes};
 use crate::error::{Error, Place};
 use crate::experiment::Source;
 use crate::experiment::campaign::{
-    CameraHeight, Folds, HemLength, Meshes, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish,
+    CameraHeight, Folds, HemLength, Language, Meshes, PictureScale, Pictures, RESPONSES, Shade, Tone, USUAL_RESPONSES, Wish,
 };
 use crate::experiment::{Apparatus, CheckRules, Factor};
 use crate::units::{self, Metre};
@@ -67,6 +67,7 @@ pub(super) struct CampaignFile {
     pub tables: Told,
     pub meshes: Meshes,
     pub check: CheckRules,
+    pub language: Language,
 }
 
 #[derive(Deserialize)]
@@ -90,6 +91,8 @@ struct Document {
     wishes: Vec<Spanned<WishEntry>>,
     #[serde(default)]
     check: CheckTable,
+    #[serde(default)]
+    language: Language,
 }
 
 #[derive(Deserialize, Clone)]
@@ -302,7 +305,8 @@ impl Reader<'_> {
     }
 
     fn check(&self, document: Document, source: Source) -> Result<CampaignFile, Error> {
-        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, tables, wishes: wanted, check } = document;
+        let Document { title, origin, apparatus, geometry, cloth, factors, analysis, profiles, tables, wishes: wanted, check, language } =
+            document;
         for (key, value, what) in
             [("title", &title, "what the campaign is about"), ("origin", &origin, "who measured what, where and when")]
         {
@@ -355,6 +359,7 @@ impl Reader<'_> {
             tables: tables.told(self)?,
             pictures: self.pictures(&profiles)?,
             meshes: self.meshes(&profiles)?,
+            language,
         })
     }
 

@@ -2,46 +2,99 @@
 
 mod beyond;
 mod cloth;
+mod exhibits;
 pub mod irregular;
 mod regression;
 mod runs;
 mod story;
 mod theory;
+mod words;
 
 use serde_json::{Value, json};
 
 use super::gallery::Gallery;
+use super::language::Translator;
 use super::number::plain;
+use super::section::Section;
 use super::typeset::{self, Manuscript};
-use super::{Provenance, number};
+use super::{Options, Paper, Provenance, number};
 use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{Apparatus, Campaign};
 use crate::study::campaign::CampaignStudy;
 use crate::units::{CENTIMETRE, MILLIMETRE};
 
-/// The document's markup; it reads `data.json` and `figures/*.svg`.
+/// The document's markup; it reads `data.json`, `words.json`, `figures/*.svg` and the passages with formulas of its language.
 const TEMPLATE: &str = include_str!("template/report.typ");
+
+/// Passages that are more formula than word, one file a language.
+const PROSE: [(&str, &str); 2] =
+    [("prose-en.typ", include_str!("template/prose-en.typ")), ("prose-ru.typ", include_str!("template/prose-ru.typ"))];
 
 /// Longest origin that the footer of every page can hold, in characters.
 const FOOTER: usize = 200;
 
-/// Sets the report of a campaign with the figures of its gallery.
+/// Keys of the data below which nothing is translated: the laboratory's own, and names of files.
+const VERBATIM: [&str; 8] = ["title", "origin", "origin-short", "program", "date", "letterhead", "look", "sources"];
+
+/// Sets the report of a campaign with the figures of its gallery, whose words are in the language already.
 ///
 /// # Errors
 /// [`Error::Output`] if the document cannot be set.
-pub fn pdf(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Result<Vec<u8>, Error> {
-    let mut manuscript = Manuscript { template: TEMPLATE.into(), date: provenance.date, ..Manuscript::default() };
-    manuscript.files.insert("data.json".into(), data(study, gallery, provenance).to_string().into_bytes());
+pub fn pdf(study: &CampaignStudy, gallery: &Gallery, options: &Options, translator: &Translator) -> Result<Vec<u8>, Error> {
+    let own = options.letterhead.own_template.as_deref();
+    let template = own.unwrap_or(TEMPLATE);
+    let mut manuscript = Manuscript { template: template.into(), date: options.provenance.date, ..Manuscript::default() };
+    let mut file = |name: &str, bytes: Vec<u8>| drop(manuscript.files.insert(name.into(), bytes));
+    file("data.json", data(study, gallery, options, translator).to_string().into_bytes());
+    file("words.json", words::said(template, translator).to_string().into_bytes());
+    for (name, prose) in PROSE {
+        file(name, prose.into());
+    }
+    if let Some(logo) = &options.letterhead.logo {
+        file(&format!("logo.{}", logo.format), logo.bytes.clone());
+    }
     for (stem, svg) in gallery {
-        manuscript.files.insert(format!("figures/{stem}.svg"), svg.clone().into_bytes());
+        file(&format!("figures/{stem}.svg"), svg.clone().into_bytes());
     }
     typeset::pdf(manuscript)
 }
 
-/// Everything that the template shows.
-fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Value {
-    let campaign = &study.campaign;
+/// Everything that a template shows, in the language of the report.
+pub fn data(study: &CampaignStudy, gallery: &Gallery, options: &Options, translator: &Translator) -> Value {
+    let mut data = english(study, gallery, options);
+    translator.value(&mut data, &VERBATIM);
+    data["sections"] = sections(&options.sections, translator);
+    data
+}
+
+/// Says everything that the shipped template shows, for a translator that takes note of what it cannot say.
+pub fn untranslated(study: &CampaignStudy, gallery: &Gallery, options: &Options, translator: &Translator) {
+    data(study, gallery, options, translator);
+    words::said(TEMPLATE, translator);
+}
+
+/// The chapters of studies; their figures are in the gallery.
+fn sections(sections: &[Section], translator: &Translator) -> Value {
+    let say = |text: &String| translator.say(text);
+    let one = |section: &Section| {
+        json!({
+            "title": say(&section.title),
+            "paragraphs": section.paragraphs.iter().map(say).collect::<Vec<_>>(),
+            "tables": section.tables.iter().map(|table| json!({
+                "caption": say(&table.caption),
+                "columns": table.columns.iter().map(say).collect::<Vec<_>>(),
+                "rows": table.rows.iter().map(|row| row.iter().map(say).collect::<Vec<_>>()).collect::<Vec<_>>(),
+                "text-columns": table.text_columns,
+            })).collect::<Vec<_>>(),
+            "figures": section.figures.iter().map(|figure| json!({ "stem": figure.stem, "caption": say(&figure.caption) })).collect::<Vec<_>>(),
+        })
+    };
+    sections.iter().map(one).collect()
+}
+
+fn english(study: &CampaignStudy, gallery: &Gallery, options: &Options) -> Value {
+    let (campaign, provenance) = (&study.campaign, &options.provenance);
     let fidelity = study.runs.iter().find_map(|r| r.prediction.as_ref()).map_or("ruled shell", |p| p.fidelity.as_str());
     json!({
         "title": campaign.title,
@@ -49,6 +102,15 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "origin-short": shortened(&campaign.origin),
         "program": concat!("hemline ", env!("CARGO_PKG_VERSION")),
         "date": provenance.date.map(|d| d.to_string()),
+        "look": {
+            "language": options.language.code(),
+            "paper": match options.paper {
+                Paper::A4 => "a4",
+                Paper::Letter => "us-letter",
+            },
+            "logo": options.letterhead.logo.as_ref().map(|logo| format!("logo.{}", logo.format)),
+        },
+        "letterhead": options.letterhead,
         "apparatus": apparatus(campaign.apparatus),
         "alpha": plain(campaign.alpha),
         "facts": facts(study, provenance),
@@ -57,6 +119,7 @@ fn data(study: &CampaignStudy, gallery: &Gallery, provenance: &Provenance) -> Va
         "regressions": study.regressions.iter().map(|r| regression::page(r, study, gallery)).collect::<Vec<_>>(),
         "beyond": beyond::chapter(study),
         "irregular": irregular::chapter(study, gallery),
+        "exhibits": exhibits::exhibits(study, gallery),
         "theory": theory::chapter(study),
         "cloth": cloth::chapter(study),
         "theory-effects": beyond::theory(study),
@@ -108,6 +171,12 @@ fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
     fact("Folds", folds(campaign.folds));
     fact("Hem length", hem_length(campaign.hem_length));
     fact("Bias of curvature", if campaign.bias_correction { "taken out of every fit".into() } else { "left in, as asked".into() });
+    if let Some(prediction) = study.runs.iter().find_map(|run| run.prediction.as_ref()) {
+        let compared = if study.fidelities.is_empty() { vec![prediction.fidelity.clone()] } else { crate::study::fidelities::described() };
+        fact("Theory", compared.join("; "));
+        let terms: Vec<&str> = prediction.terms.iter().map(|term| term.term).collect();
+        fact("Energy terms", terms.join(", "));
+    }
     fact("Gravity", format!("{} m/s²", plain(campaign.gravity)));
     fact("Significance level", plain(campaign.alpha));
     match study.sources.as_slice() {
@@ -115,7 +184,7 @@ fn facts(study: &CampaignStudy, provenance: &Provenance) -> Vec<[String; 2]> {
         sources => {
             let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
             let first: Vec<String> = sources.iter().take(2).map(|s| format!("{} {}", s.file.display(), s.digest)).collect();
-            fact("Inputs", format!("{} files, {bytes} bytes; {}; all digests in the appendix", sources.len(), first.join(", ")));
+            fact("Inputs", format!("{} files, {bytes} bytes; {}; all digests in the appendix", sources.len(), first.join("; ")));
         }
     }
     facts

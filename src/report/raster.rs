@@ -30,9 +30,21 @@ pub fn png(name: &str, svg: &str) -> Result<Vec<u8>, Error> {
     pixmap.encode_png().map_err(|error| fault(error.to_string()))
 }
 
+/// Whether bytes are a picture of a format, `svg` or `png`, that can be drawn.
+///
+/// # Errors
+/// Why not, in words.
+pub fn check(format: &str, bytes: &[u8]) -> Result<(), String> {
+    match format {
+        "png" => Pixmap::decode_png(bytes).map(drop).map_err(|error| error.to_string()),
+        _ => usvg::Tree::from_data(bytes, &usvg::Options::default()).map(drop).map_err(|error| error.to_string()),
+    }
+}
+
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     let mut fonts = fontdb::Database::new();
-    for data in [dejavu::sans::regular(), dejavu::sans::bold(), dejavu::sans::oblique()] {
+    let condensed = [dejavu::sans_condensed::regular(), dejavu::sans_condensed::bold()];
+    for data in [dejavu::sans::regular(), dejavu::sans::bold(), dejavu::sans::oblique()].into_iter().chain(condensed) {
         fonts.load_font_source(fontdb::Source::Binary(Arc::new(data)));
     }
     Arc::new(fonts)

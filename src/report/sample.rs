@@ -54,6 +54,7 @@ fn analysed() -> CampaignStudy {
         pictures: None,
         meshes: Default::default(),
         check: CheckRules::usual(0.05, vec!["p_mm".into()]),
+        language: Default::default(),
     };
     let profiles = runs.iter().map(profile).collect();
     let notes = vec!["Sample of the tests.".into()];

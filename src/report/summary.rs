@@ -7,11 +7,21 @@ use serde_json::{Value, json};
 
 use super::analysis_table::{agreement, goal};
 use super::{Provenance, note, words};
+use crate::error::Error;
 use crate::statistics::effects::EffectComparison;
 use crate::study::campaign::{CampaignStudy, Regression, RunStudy};
 use crate::study::further::Way;
 use crate::study::overview::overview;
 use crate::units::MILLIMETRE;
+
+/// The file's text.
+///
+/// # Errors
+/// [`Error::Output`] if a number of it cannot be written.
+pub fn text(study: &CampaignStudy, provenance: &Provenance) -> Result<String, Error> {
+    let failed = |error: serde_json::Error| Error::Output { what: "summary.json".into(), why: error.to_string() };
+    serde_json::to_string_pretty(&summary(study, provenance)).map(|text| text + "\n").map_err(failed)
+}
 
 /// The whole summary.
 pub fn summary(study: &CampaignStudy, provenance: &Provenance) -> Value {

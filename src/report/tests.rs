@@ -9,10 +9,14 @@ fn provenance() -> Provenance {
     }
 }
 
+fn english(study: &CampaignStudy) -> Translator {
+    Translator::new(Language::English, language::names(study))
+}
+
 #[test]
 fn a_report_is_written_whole_and_is_the_same_twice() {
     let study = sample::study();
-    let options = Options { provenance: provenance(), pictures: true };
+    let options = Options { provenance: provenance(), ..Options::default() };
     let folder = tempfile::tempdir().unwrap();
     let once = write(&study, &folder.path().join("a"), &options).unwrap();
     let twice = write(&study, &folder.path().join("b"), &options).unwrap();
@@ -27,6 +31,8 @@ fn a_report_is_written_whole_and_is_the_same_twice() {
         "identify.csv",
         "fidelity_summary.csv",
         "summary.json",
+        "report.xlsx",
+        "parquet/fits.parquet",
         "figures/hem_1.png",
     ] {
         assert!(names.iter().any(|n| n == expected), "{expected} is missing of {names:?}");
@@ -113,7 +119,7 @@ fn a_campaign_without_regressions_theory_or_cloth_still_has_a_document() {
         run.lambda = Default::default();
     }
     let gallery = gallery::draw(&study).unwrap();
-    let pdf = document::pdf(&study, &gallery, &Provenance::default()).unwrap();
+    let pdf = document::pdf(&study, &gallery, &Options::default(), &english(&study)).unwrap();
     assert!(pdf.starts_with(b"%PDF"));
 }
 
@@ -153,6 +159,6 @@ fn a_campaign_in_which_everything_failed_still_has_a_document() {
         regression.analysis = Err("no run has this number".into());
     }
     let gallery = gallery::draw(&study).unwrap();
-    assert!(document::pdf(&study, &gallery, &Provenance::default()).unwrap().starts_with(b"%PDF"));
+    assert!(document::pdf(&study, &gallery, &Options::default(), &english(&study)).unwrap().starts_with(b"%PDF"));
     assert!(!summary::summary(&study, &Provenance::default()).to_string().contains("NaN"));
 }

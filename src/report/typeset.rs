@@ -7,14 +7,16 @@ use std::sync::LazyLock;
 
 use typst::diag::{FileError, FileResult, SourceDiagnostic};
 use typst::foundations::{Bytes, Datetime, Duration, Smart};
+use typst::layout::Abs;
 use typst::syntax::{FileId, RootedPath, Source, VirtualPath, VirtualRoot};
-use typst::text::{Font, FontBook};
+use typst::text::{Font, FontBook, FontInstance, FontVariant, FontVariations};
 use typst::utils::LazyHash;
 use typst::{Library, LibraryExt, World, WorldExt};
 use typst_layout::PagedDocument;
 use typst_pdf::PdfOptions;
 
 use super::date::Date;
+use super::language::Measure;
 use crate::error::Error;
 
 /// The name under which the template itself is known in messages.
@@ -25,7 +27,7 @@ const MAIN: &str = "report.typ";
 pub struct Manuscript {
     /// Typst markup.
     pub template: String,
-    /// Everything the template reads, by path: data, pictures.
+    /// Everything the template reads, by path: data, pictures, further markup.
     pub files: BTreeMap<String, Vec<u8>>,
     /// Written into the document's metadata; `None` writes none.
     pub date: Option<Date>,
@@ -63,6 +65,28 @@ static FONTS: LazyLock<(Vec<Font>, LazyHash<FontBook>)> = LazyLock::new(|| {
     let book = FontBook::from_fonts(&fonts);
     (fonts, LazyHash::new(book))
 });
+
+/// Widths of the sans of figures, for words that must keep their room.
+pub struct Sans;
+
+impl Measure for Sans {
+    fn width(&self, text: &str) -> f64 {
+        /// A letter that the font has not; about the width of any other.
+        const UNKNOWN: f64 = 0.6;
+        let Some(font) = SANS_UPRIGHT.as_ref() else { return UNKNOWN * text.chars().count() as f64 };
+        let advance = |c: char| font.ttf().glyph_index(c).and_then(|glyph| font.x_advance(glyph.0)).map_or(UNKNOWN, |em| em.get());
+        text.chars().map(advance).sum()
+    }
+}
+
+static SANS_UPRIGHT: LazyLock<Option<FontInstance>> = LazyLock::new(|| {
+    let plain = FontVariant::default();
+    let font = FONTS.0.iter().find(|font| font.info().family == SANS && font.info().variant == plain)?;
+    Some(font.clone().instantiate(plain, Abs::pt(10.0), &FontVariations::default()))
+});
+
+/// The family of figures and tables.
+const SANS: &str = "DejaVu Sans";
 
 /// The typesetter's whole world: one template, its files, the embedded fonts.
 struct Desk {
@@ -113,7 +137,11 @@ impl World for Desk {
     }
 
     fn source(&self, id: FileId) -> FileResult<Source> {
-        if id == self.main { Ok(self.source.clone()) } else { Err(missing(id)) }
+        if id == self.main {
+            return Ok(self.source.clone());
+        }
+        let text = String::from_utf8(self.file(id)?.to_vec()).map_err(|_| FileError::InvalidUtf8)?;
+        Ok(Source::new(id, text))
     }
 
     fn file(&self, id: FileId) -> FileResult<Bytes> {
@@ -174,5 +202,12 @@ mod tests {
         let bytes = pdf(with_picture).unwrap();
         let name = b"DejaVuSans";
         assert!(bytes.windows(name.len()).any(|window| window == name));
+    }
+
+    #[test]
+    fn widths_are_those_of_the_embedded_sans() {
+        // Advances in DejaVuSans.ttf (hmtx, 2048 units per em): n 1298, ж 1848.
+        assert!((Sans.width("n") - 1298.0 / 2048.0).abs() < 1e-9);
+        assert!(Sans.width("жж") > 1.2 * Sans.width("nn"));
     }
 }

@@ -16,6 +16,13 @@ pub fn response(name: &str) -> Response {
     Response { label: label.unwrap_or_else(|| spelled(stem)), unit: unit.to_string() }
 }
 
+/// A column of a table without its suffix, and the unit that the suffix tells. Tables have no lengths in m: `predicted_m` is a fold count.
+pub fn column_unit(name: &str) -> (&str, Option<&'static str>) {
+    let told =
+        UNITS.iter().filter(|(suffix, _)| *suffix != "_m").find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, Some(*unit))));
+    told.unwrap_or((name, None))
+}
+
 /// Unit suffixes, longest first where one ends with another.
 const UNITS: [(&str, &str); 10] = [
     ("_percent", "%"),

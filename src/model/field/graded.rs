@@ -8,7 +8,7 @@ use super::sample::{Grid, Sample};
 use crate::experiment::Skirt;
 use crate::model::graded::Setup;
 use crate::model::surface::Space;
-use crate::model::tangent::kernel;
+use crate::model::tangent::{half_nodes, kernel};
 use crate::numerics::quadrature::gauss_legendre;
 
 /// A solution of the graded shell: its discretization and coefficients α, a crest on the x axis.
@@ -36,8 +36,11 @@ struct Ring {
 }
 
 impl GradedShape {
-    /// `rows` rings, denser below the waist where the folds open, and `2·half·m` columns. `None` where a generatrix would have to be longer than its cloth.
-    pub fn sample(&self, skirt: &Skirt, rows: usize, half: usize) -> Option<Grid> {
+    /// `rows` rings, denser below the waist where the folds open, and `2·shown·m` columns. `None` where a generatrix would have to be longer than its cloth.
+    pub fn sample(&self, skirt: &Skirt, rows: usize, shown: usize) -> Option<Grid> {
+        // The series of a ring wants its own number of nodes, however few of them are shown.
+        let stride = (2 * half_nodes(self.setup.harmonics)).div_ceil(shown);
+        let half = shown * stride;
         let (waist, hem, slant) = (skirt.waist_radius().0, skirt.hem_radius().0, skirt.slant_length().0);
         let m = f64::from(self.setup.folds);
         let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
@@ -122,19 +125,20 @@ impl GradedShape {
                 }
             }
             let ring = ring(s)?;
-            half_fold.push((0..count).map(|n| world(&ring, n, PI * n as f64 / (m * half as f64), growth, height[n])).collect());
+            let place = |n: usize| world(&ring, n, PI * n as f64 / (m * half as f64), growth, height[n]);
+            half_fold.push((0..=shown).map(|i| place(i * stride)).collect());
             slant_distance.push(self.setup.basis.height(s).0 * slant);
         }
-        let columns = 2 * half * self.setup.folds as usize;
+        let columns = 2 * shown * self.setup.folds as usize;
         let mut samples = Vec::with_capacity(rows * columns);
         for row in &half_fold {
             for column in 0..columns {
-                let (fold, within) = (column / (2 * half), column % (2 * half));
+                let (fold, within) = (column / (2 * shown), column % (2 * shown));
                 let turn = TAU * fold as f64 / m;
-                samples.push(if within <= half {
+                samples.push(if within <= shown {
                     rotated(&row[within], turn)
                 } else {
-                    rotated(&mirrored(&row[2 * half - within]), turn + TAU / m)
+                    rotated(&mirrored(&row[2 * shown - within]), turn + TAU / m)
                 });
             }
         }

@@ -18,12 +18,59 @@ use crate::units::{MILLIMETRE, PERCENT};
 pub fn summary(study: &CampaignStudy) -> Value {
     let seen = overview(&study.runs);
     json!({
+        "judgements": judgements(study, &seen),
         "measured": measured(study, &seen),
         "found": found(study, &seen),
         "verdicts": study.regressions.iter().filter_map(|r| Some(verdict_row(&r.response, r.analysis.as_ref().ok()?))).collect::<Vec<_>>(),
         "theory": seen.theory.as_ref().map_or_else(|| theory::missing(study), theory::words),
         "cautions": cautions(study, &seen),
     })
+}
+
+/// Verdicts in words: a question, and its answer.
+fn judgements(study: &CampaignStudy, seen: &Overview) -> Vec<[String; 2]> {
+    let mut said = vec![];
+    let mut judge = |question: &str, answer: String| said.push([question.to_string(), answer]);
+    let whole = seen.fitted == seen.runs;
+    judge("Were all hems fitted?", format!("{}, {} of {}", if whole { "yes" } else { "no" }, seen.fitted, seen.runs));
+    if let Some(explained) = seen.explained {
+        let how = match explained.median {
+            share if 0.9 <= share => "well",
+            share if SMALL_SHARE <= share => "roughly",
+            _ => "badly",
+        };
+        let answer = format!("{how}: {} % of the departure from a circle (median)", fixed(explained.median / PERCENT, 0));
+        judge("Does the curve of equal folds describe them?", answer);
+    }
+    let analyses: Vec<(String, &Analysis)> =
+        study.regressions.iter().filter_map(|r| Some((words::response(&r.response).label, r.analysis.as_ref().ok()?))).collect();
+    let influenced = analyses.iter().filter(|(_, a)| a.coefficients.iter().any(|c| c.significant && c.term != "1")).count();
+    if !analyses.is_empty() {
+        judge("Do the factors matter?", format!("for {influenced} of {} responses", analyses.len()));
+    }
+    let held = |question: &str, pick: fn(&Analysis) -> Option<&Verdict>| {
+        let tested: Vec<(&str, bool)> = analyses.iter().filter_map(|(label, a)| Some((label.as_str(), pick(a)?.holds))).collect();
+        let broken: Vec<&str> = tested.iter().filter(|(_, holds)| !holds).map(|(label, _)| *label).collect();
+        (!tested.is_empty()).then(|| {
+            let answer = match broken.as_slice() {
+                [] => format!("yes, for all {} responses", tested.len()),
+                some => format!("for {} of {} responses; not for {}", tested.len() - some.len(), tested.len(), some.join("; ")),
+            };
+            (question.to_string(), answer)
+        })
+    };
+    let tests = [
+        held("Do replicates scatter alike?", |a| a.equal_variances.as_ref()),
+        held("Do the significant terms alone suffice?", |a| a.adequacy.as_ref()),
+    ];
+    for (question, answer) in tests.into_iter().flatten() {
+        judge(&question, answer);
+    }
+    if let Some(theory) = &seen.theory {
+        let answer = format!("in {} of {} runs, within one in {}", theory.folds_right, theory.runs, theory.folds_within_one);
+        judge("Does theory predict the fold count?", answer);
+    }
+    said
 }
 
 fn measured(study: &CampaignStudy, seen: &Overview) -> Vec<String> {
@@ -90,13 +137,13 @@ fn verdict_row(response: &str, analysis: &Analysis) -> Value {
     let said = words::response(response);
     let label = if said.unit.is_empty() { said.label } else { format!("{}, {}", said.label, said.unit) };
     let mean = analysis.coefficients.iter().find(|c| c.term == "1");
-    let holds = |v: &Option<Verdict>| v.as_ref().map_or("not tested", |v| if v.holds { "yes" } else { "no" });
+    let holds = |v: &Option<Verdict>, yes, no| v.as_ref().map_or("not tested", |v| if v.holds { yes } else { no });
     json!([
         label,
         mean.map(|c| with_error(c.estimate, c.se)).unwrap_or_default(),
         influences(analysis),
-        holds(&analysis.equal_variances),
-        holds(&analysis.adequacy),
+        holds(&analysis.equal_variances, "scatter alike", "scatter differently"),
+        holds(&analysis.adequacy, "adequate", "not adequate"),
         analysis.full.r_squared().map(|r2| fixed(r2, 2)).unwrap_or_default(),
     ])
 }
@@ -148,10 +195,14 @@ fn cautions(study: &CampaignStudy, seen: &Overview) -> Vec<String> {
     said
 }
 
+/// More names than these nobody reads on a page that is to be one.
+const MOST_NAMES: usize = 30;
+
 /// “run 7” or “runs 3, 7, 12”.
 fn named(runs: &[&str]) -> String {
     match runs {
         [one] => format!("run {one}"),
-        many => format!("runs {}", many.join(", ")),
+        many if many.len() <= MOST_NAMES => format!("runs {}", many.join(", ")),
+        many => format!("runs {} and {} more", many[..MOST_NAMES].join(", "), many.len() - MOST_NAMES),
     }
 }

@@ -56,7 +56,7 @@ fn fidelities(study: &CampaignStudy) -> Value {
             Some(json!(line))
         })
         .collect();
-    json!({ "solved": described().join(", "), "cells": table, "runs": runs })
+    json!({ "solved": described().join("; "), "cells": table, "runs": runs })
 }
 
 /// What the comparison says, in sentences.
