@@ -3,6 +3,7 @@
 mod batch;
 pub mod check;
 pub mod fit;
+pub mod identify;
 pub mod import;
 pub mod init;
 pub mod mesh;
@@ -10,11 +11,14 @@ pub mod paper;
 mod pictures;
 pub mod plot;
 pub mod predict;
+mod profiles;
 pub mod regress;
 pub mod report;
 pub mod run;
 mod study;
 pub mod study_terms;
+pub mod skirt;
+pub mod surface;
 pub mod told;
 pub mod workbook;
 
@@ -60,6 +64,9 @@ enum Command {
     Paper(paper::Paper),
     Plot(plot::Plot),
     Study(study::Study),
+    Skirt(skirt::SkirtArgs),
+    Surface(surface::Surface),
+    Identify(identify::Identify),
 }
 
 /// Parses the command line and runs it.
@@ -78,6 +85,9 @@ pub fn run() -> ExitCode {
         Command::Paper(args) => paper::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Study(args) => study::run(&args),
+        Command::Skirt(args) => skirt::run(&args),
+        Command::Surface(args) => surface::run(&args),
+        Command::Identify(args) => identify::run(&args),
     };
     outcome.unwrap_or_else(|error: Error| {
         eprintln!("hemline: {error}");

@@ -224,6 +224,7 @@ fn of_files(args: &Plot) -> Result<Measured, Error> {
         meshes: Default::default(),
         check: CheckRules::usual(0.05, vec![]),
         language: Language::default(),
+        hanging: None,
     };
     let profiles = profiles.into_iter().map(|(_, profile)| Some(profile)).collect();
     Ok(Measured { campaign, profiles, quarantine: vec![], sources: vec![], notes: vec![] })

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 use crate::cli::print;
+use crate::cli::surface::{self, SurfaceFlags};
 use crate::error::Error;
 use crate::experiment::scene::{Choice, ClothDetail, TermSet, Theory, WaistEdge};
 use crate::experiment::{Apparatus, Fabric, Scene, Skirt};
@@ -14,6 +15,7 @@ use crate::import::scene_file;
 use crate::simulate::{
     Branch, Contact, Fidelity, Folds, Options, Prediction, Screened, Screening, Termination, graded, predict, predict_scene, ruled,
 };
+use crate::study::surface::of_prediction;
 use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 
 /// Predict how a conic skirt hangs, from its cut and its cloth; nothing is fitted.
@@ -22,7 +24,9 @@ use crate::units::{self, KilogramPerSquareMetre, Metre, NewtonMetre};
 /// costs least. Above a threshold rigidity the skirt hangs round: `folds` is then 0.
 #[derive(Debug, Clone, Args)]
 #[command(
-    after_help = "Examples:\n  hemline predict --scene scene.toml --terms auto\n  hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --json"
+    after_help = "Examples:\n  hemline predict --scene scene.toml --terms auto\n  hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --json\n  \
+hemline predict --waist-radius-cm 12.1 --hem-radius-cm 23.62 --slant-length-cm 53 --areal-density-g-m2 200 --rigidity-un-m 10 --fidelity graded \\\n    \
+--thickness-mm 0.5 --poisson 0.2 --surface skirt.glb --field stress-intensity"
 )]
 pub struct Predict {
     /// Skirt, cloth, body, terms and tolerance from this file (docs/terms.md); other flags overrule it
@@ -71,6 +75,8 @@ pub struct Predict {
     tolerance_mm: Option<f64>,
     #[arg(long, value_name = "M_S2", help = format!("Acceleration of free fall, m/s² [default: {}]", units::STANDARD_GRAVITY))]
     gravity_m_s2: Option<f64>,
+    #[command(flatten)]
+    surface: SurfaceFlags,
     /// Print one JSON object (SI units)
     #[arg(long)]
     json: bool,
@@ -98,13 +104,39 @@ fn folds(text: &str) -> Result<Folds, String> {
 /// As [`predict`]: what is asked makes no sense, or the theory does not apply.
 pub fn run(args: &Predict) -> Result<ExitCode, Error> {
     let prediction = prediction(args)?;
-    if args.json {
-        print(&format!("{}\n", to_json(&prediction)))?;
+    let surface = if args.surface.wanted() {
+        if prediction.terms.iter().any(|term| term.term == "stretch") {
+            return Err(Error::Unanswerable("fields are those of inextensible cloth: leave the term stretch out, or --surface".into()));
+        }
+        let (skirt, fabric, gravity) = hung(args)?;
+        let sheet = args.surface.sheet(&fabric, gravity);
+        let fields = of_prediction(&skirt, &prediction, &sheet, &args.surface.options())?;
+        let written = args.surface.write(&fields)?;
+        Some((fields, written))
     } else {
-        print(&to_text(&prediction))?;
+        None
+    };
+    if args.json {
+        let mut out = to_json(&prediction);
+        if let Some((fields, written)) = &surface {
+            out["surface"] = surface::to_json(fields, written);
+        }
+        print(&format!("{out}\n"))?;
+    } else {
+        let said = surface.map(|(fields, written)| surface::to_text(&fields, &written)).unwrap_or_default();
+        print(&(to_text(&prediction) + &said))?;
     }
     let usable = matches!(prediction.termination, Termination::Converged | Termination::Round);
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Cut, cloth and acceleration of free fall, from the scene or the flags.
+fn hung(args: &Predict) -> Result<(Skirt, Fabric, f64), Error> {
+    if let Some(path) = &args.scene {
+        let scene = scene_file::read(path)?;
+        return Ok((scene.skirt, scene.fabric, args.gravity_m_s2.unwrap_or(scene.gravity)));
+    }
+    Ok((skirt(args)?, fabric(args), args.gravity_m_s2.unwrap_or(units::STANDARD_GRAVITY)))
 }
 
 fn prediction(args: &Predict) -> Result<Prediction, Error> {

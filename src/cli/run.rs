@@ -28,7 +28,7 @@ Writes report.pdf, report.html, summary.json, figures/*.svg and *.png, overlays/
 report.xlsx: fits, models, folds, candidates,\n\
 predictions, points, quarantine; regression, weighted,\n\
 diagnostics, power, ascent, next_runs, desirability, theory_effects;\n\
-fidelities, fidelity_summary. docs/results.md describes every column.\n\n\
+fidelities, fidelity_summary, identify. docs/results.md describes every column.\n\n\
 Exit code: 0 every run is fitted, 1 some run is not (quarantine.csv and fits.csv say which and why), 2 no campaign could be read.")]
 pub struct Run {
     /// The campaign's folder.

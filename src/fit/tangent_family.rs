@@ -4,6 +4,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use nalgebra::DMatrix;
+
 use super::aicc;
 use super::outcome::{Estimate, HemFit, Termination};
 use super::outline::{Outline, fractions};
@@ -32,6 +34,8 @@ pub struct TangentFit {
     pub radius: Estimate,
     /// a_1 … a_K, rad.
     pub coefficients: Vec<Estimate>,
+    /// Covariance of a_1 … a_K; `None` where they have no standard errors.
+    pub covariance: Option<DMatrix<f64>>,
     /// Whether R was held, because the cut is known or the free optimum of the paper's curve was no sane one.
     pub held: bool,
     pub sum_of_squares: f64,
@@ -141,6 +145,7 @@ fn outcome(fitted: &Fitted, folds: u32, held: Option<f64>) -> TangentFit {
         folds,
         radius: Estimate { value: fitted.placed.radius, standard_error: held.is_none().then(|| error(3)).flatten() },
         coefficients: sines.iter().enumerate().map(|(k, a)| Estimate { value: *a, standard_error: error(first + k) }).collect(),
+        covariance: known.as_ref().ok().map(|c| c.matrix.view((first, first), (sines.len(), sines.len())).into_owned()),
         held: held.is_some(),
         sum_of_squares: fitted.summary.sum_of_squares,
         distances: fitted.summary.residuals.clone(),

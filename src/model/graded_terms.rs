@@ -129,6 +129,11 @@ impl GradedTerms {
         if self.beyond_sweep() { None } else { self.shell.length_multiplier(&self.alpha(x)) }
     }
 
+    /// The coefficients a_k of the hem, for inextensible cloth.
+    pub fn hem_coefficients(&self, x: &DVector<f64>) -> DVector<f64> {
+        self.shell.hem_coefficients(x)
+    }
+
     /// The hem, its crest on the axis.
     pub fn curve(&self, x: &DVector<f64>) -> TangentHem {
         let mut hem = self.shell.hem_coefficients(&self.alpha(x));

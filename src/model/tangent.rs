@@ -313,6 +313,25 @@ impl TangentHem {
         ((x, y), (-(stretched * sin - y) / m, (stretched * cos - x) / m))
     }
 
+    /// Position (m) and its first and second derivative by σ.
+    pub fn local(&self, sigma: f64) -> [[f64; 2]; 3] {
+        let m = f64::from(self.folds);
+        let ((x, y), _) = self.turning(m * sigma);
+        let turned = |(x, y): (f64, f64), angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            [x * cos - y * sin, x * sin + y * cos]
+        };
+        let (mut psi, mut slope) = (0.0, 0.0);
+        for (k, a) in (1..).zip(&self.coefficients) {
+            let order = m * f64::from(k);
+            psi += a * (order * sigma).sin();
+            slope += a * order * (order * sigma).cos();
+        }
+        // c' = i R_n e^{i(σ + ψ)}, c'' = −R_n (1 + ψ') e^{i(σ + ψ)}.
+        let angle = sigma + psi;
+        [turned((x, y), sigma), turned((0.0, self.hem), angle), turned((-self.hem * (1.0 + slope), 0.0), angle)]
+    }
+
     /// `n` points round the hem, equally spaced in cloth length, the first on a crest on the x axis, counter-clockwise, m.
     pub fn outline(&self, n: usize) -> Vec<Point> {
         let m = f64::from(self.folds);

@@ -1,6 +1,7 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
 pub(super) mod beyond;
+mod cloth;
 mod exhibits;
 pub mod irregular;
 pub(super) mod regression;
@@ -120,6 +121,7 @@ fn english(study: &CampaignStudy, gallery: &Gallery, options: &Options) -> Value
         "irregular": irregular::chapter(study, gallery),
         "exhibits": exhibits::exhibits(study, gallery),
         "theory": theory::chapter(study),
+        "cloth": cloth::chapter(study),
         "theory-effects": beyond::theory(study),
         "runs": study.runs.iter().map(|r| runs::block(r, &campaign.design.factors, gallery)).collect::<Vec<_>>(),
         "fits": study.runs.iter().map(runs::row).collect::<Vec<_>>(),

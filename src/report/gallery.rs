@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::figure::{agreement, fidelities, folds, gap, half_normal, hem, multiples, residuals, uneven};
+use super::figure::{agreement, fidelities, folds, gap, half_normal, hem, multiples, residuals, rigidity, uneven};
 use super::kinds::{KINDS, Kind, Of, Shown, Subject};
 use super::words;
 use super::{number, parallel};
@@ -12,8 +12,9 @@ use crate::statistics::box_wilson::Analysis;
 use crate::statistics::distribution;
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::study::fidelities::{FIDELITIES, FidelityRun};
+use crate::study::identify::{Identified, Through};
 use crate::study::overview::spread;
-use crate::units::{MILLIMETRE, PERCENT};
+use crate::units::{MICRONEWTON_METRE, MILLIMETRE, PERCENT};
 
 /// SVG by file stem, in a fixed order.
 pub type Gallery = BTreeMap<String, String>;
@@ -245,6 +246,23 @@ pub(super) fn draw_fidelities(study: &CampaignStudy) -> Option<Result<String, Er
         ),
     ];
     Some(fidelities::draw(&names, &numbers, &FIDELITIES.map(|(name, _)| name), &panels))
+}
+
+/// Rigidities from the hem against known ones, if there are any.
+pub(super) fn draw_rigidity(study: &CampaignStudy) -> Option<Result<String, Error>> {
+    let series: Vec<rigidity::Series> = Through::ALL
+        .into_iter()
+        .map(|through| {
+            let own = study.identified.iter().filter(|row| row.through == through);
+            let point = |row: &Identified| {
+                let (found, known) = (row.found.as_ref().ok()?, row.known?);
+                let (known, estimated) = (known / MICRONEWTON_METRE, found.rigidity.value / MICRONEWTON_METRE);
+                Some(rigidity::Point { known, estimated, relative_error: found.relative_error })
+            };
+            rigidity::Series { name: through.name().into(), points: own.filter_map(point).collect() }
+        })
+        .collect();
+    series.iter().any(|s| !s.points.is_empty()).then(|| rigidity::draw(&series))
 }
 
 /// Runs by cell of the design, cells in standard order (first factor fastest), runs in run order.

@@ -4,7 +4,7 @@ use super::figure::{
     agreement, contour, cube, distance, folds, gap, half_normal, hem, interactions, lambda, main_effects, multiples, pareto, pattern,
     polar, replicates, residuals, surface, symbols, uneven,
 };
-use super::gallery::{against, draw_fidelities, folded, medians, observations, regression_stem, rows, scores, uneven_view};
+use super::gallery::{against, draw_fidelities, draw_rigidity, folded, medians, observations, regression_stem, rows, scores, uneven_view};
 use super::words::{self, Response};
 use super::{document, scenes};
 use crate::error::Error;
@@ -104,7 +104,7 @@ const fn of_campaign(name: &'static str, needs: Needs, shows: &'static str, draw
 }
 
 /// Every kind, in the order in which they are listed.
-pub const KINDS: [Kind; 28] = [
+pub const KINDS: [Kind; 29] = [
     of_run("hem", Needs::Theory, Shown::All, "one hem from above: measured, fitted, predicted; distances magnified", |_, subject| {
         hem::draw(&view(subject)?)
     }),
@@ -247,6 +247,9 @@ pub const KINDS: [Kind; 28] = [
     }),
     of_campaign("theory_fidelities", Needs::Fidelities, "every fidelity of the theory against every run", |study, _| {
         draw_fidelities(study).unwrap_or_else(|| Err(no_theory(study)))
+    }),
+    of_campaign("rigidity", Needs::Fidelities, "rigidities identified from the hems against the known ones", |study, _| {
+        draw_rigidity(study).unwrap_or_else(|| Err(none("no run has both a known rigidity and one identified from its hem")))
     }),
     of_campaign("symbols", Needs::Nothing, "the symbols of the hem curve", |_, _| symbols::draw()),
 ];

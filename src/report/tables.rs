@@ -1,7 +1,7 @@
 //! Every table of a report, defined once: its name, what it is for, and its rows; written as CSV, Parquet and sheets of one workbook.
 
 use super::csv::{Cell, Table};
-use super::{analysis_table, fidelities, irregular, table, words};
+use super::{analysis_table, fidelities, identify, irregular, table, words};
 use crate::study::campaign::CampaignStudy;
 
 /// One table.
@@ -40,6 +40,7 @@ pub fn all(study: &CampaignStudy) -> Vec<Named> {
             "Every theory against all runs and every cell",
             fidelities::summary(&crate::study::fidelities::summarize(&study.fidelities), &factor_names),
         ),
+        named("identify", "The cloth of every run, from its hem", identify::runs(&study.identified)),
         named("models", "Three curves through every outline", irregular::models(uneven())),
         named("folds", "Every fold of every outline", irregular::folds(uneven())),
         named("points", "Every point of every outline with its distance", table::points(rows())),

@@ -29,6 +29,7 @@ fn a_report_is_written_whole_and_is_the_same_twice() {
         "quarantine.csv",
         "candidates.csv",
         "fidelities.csv",
+        "identify.csv",
         "fidelity_summary.csv",
         "summary.json",
         "report.xlsx",
@@ -113,6 +114,7 @@ fn a_campaign_without_regressions_theory_or_cloth_still_has_a_document() {
     let mut study = sample::study();
     study.regressions.clear();
     study.fidelities.clear();
+    study.identified.clear();
     for run in &mut study.runs {
         (run.prediction, run.prediction_at_fitted_folds, run.comparison) = (None, None, None);
         run.lambda = Default::default();
@@ -147,6 +149,7 @@ fn every_column_and_key_is_described_in_the_docs() {
 fn a_campaign_in_which_everything_failed_still_has_a_document() {
     let mut study = sample::study();
     study.fidelities.clear();
+    study.identified.clear();
     for run in &mut study.runs {
         run.profile = None;
         run.fit = Err("the profile was set aside".into());

@@ -76,6 +76,7 @@ pub(super) fn predict(skirt: &Skirt, cloth: &Cloth, folds: Folds, effort: &Effor
         error_estimate: None,
         contacts: Vec::new(),
         screening: None,
+        graded: None,
     })
 }
 

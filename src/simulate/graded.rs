@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::experiment::Skirt;
 use crate::model::energy::shear::Shear;
 use crate::model::energy::{Gaps, Terms};
+use crate::model::field::GradedShape;
 use crate::model::graded::{GradedShell, HeightBasis, Setup};
 use crate::model::graded_terms::GradedTerms;
 use crate::model::tangent::TangentHem;
@@ -138,6 +139,7 @@ pub(super) fn hang(
         error_estimate: None,
         contacts: Vec::new(),
         screening: None,
+        graded: None,
     };
     if best.branch.folds == 0 {
         prediction.contacts = contacts(terms, &shell.gaps(&at_cone));
@@ -155,6 +157,8 @@ pub(super) fn hang(
     prediction.outline = curve.outline(ruled::outline_points(best.branch.folds));
     prediction.termination = best.branch.termination;
     prediction.contacts = contacts(terms, &gaps);
+    // The surface is that of inextensible cloth.
+    prediction.graded = (best.shell.strains() == 0).then(|| best.shape());
     Ok(Hung { prediction, shape: Some((best.shell, best.minimum.x)) })
 }
 
@@ -192,6 +196,17 @@ impl State {
     /// The hem, its crest on the axis.
     fn curve(&self) -> TangentHem {
         self.shell.curve(&self.minimum.x)
+    }
+}
+
+impl State {
+    /// The whole shell, its crest on the axis.
+    fn shape(&self) -> GradedShape {
+        let setup = *self.shell.setup();
+        let flip = self.shell.hem_coefficients(&self.minimum.x)[0] < 0.0;
+        // As in `curve`: a shift by half a fold flips the odd coefficients together.
+        let sign = |i: usize| if flip && (i / setup.modes).is_multiple_of(2) { -1.0 } else { 1.0 };
+        GradedShape { setup, alpha: self.minimum.x.iter().enumerate().map(|(i, a)| sign(i) * a).collect() }
     }
 }
 

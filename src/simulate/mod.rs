@@ -2,6 +2,7 @@
 
 pub mod ansatz;
 mod effort;
+pub mod equilibrium;
 pub mod graded;
 mod hanging;
 mod movement;
@@ -21,6 +22,7 @@ pub use screen::{Screened, Screening};
 
 use crate::error::Error;
 use crate::experiment::{Fabric, Point, Skirt};
+use crate::model::field::GradedShape;
 use crate::model::hem::Hem;
 use crate::numerics::minimize::Ending;
 use crate::units::{Metre, STANDARD_GRAVITY};
@@ -176,6 +178,9 @@ pub struct Prediction {
     pub contacts: Vec<Contact>,
     /// Why which terms are in, where that was left to the screen.
     pub screening: Option<Screening>,
+    /// The whole surface of the graded shell, where that was asked and folds.
+    #[serde(skip)]
+    pub graded: Option<GradedShape>,
 }
 
 /// A wall that cloth leans on, and how near it comes.

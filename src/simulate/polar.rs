@@ -97,6 +97,7 @@ pub(super) fn predict(skirt: &Skirt, weight: f64, foundation: f64, folds: Folds,
         error_estimate: None,
         contacts: Vec::new(),
         screening: None,
+        graded: None,
     })
 }
 
@@ -134,6 +135,7 @@ fn round(skirt: &Skirt, equation: &Equation, asked: u32, notes: Vec<String>) -> 
         error_estimate: None,
         contacts: Vec::new(),
         screening: None,
+        graded: None,
     }
 }
 

@@ -99,6 +99,7 @@ pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, ha
             error_estimate: None,
             contacts: contacts(terms, &cone.gaps(&at_cone)),
             screening: None,
+            graded: None,
         };
         return Ok(Hung { prediction, shape: None });
     }
@@ -134,6 +135,7 @@ pub(super) fn hang(skirt: &Skirt, cloth: &Cloth, terms: &Terms, folds: Folds, ha
         error_estimate: None,
         contacts: contacts(terms, &gaps),
         screening: None,
+        graded: None,
     };
     Ok(Hung { prediction, shape: Some((best.shell, best.minimum.x)) })
 }

@@ -7,6 +7,7 @@ use super::comparison::{Comparison, compare};
 use super::desirable::{Desirable, desirable};
 use super::fidelities::{self, FidelityRun};
 use super::further::{self, Further, Series};
+use super::identify::{Identified, identify_all};
 use super::intervals::{self, intervals};
 use super::irregular::{Irregular, irregular};
 use super::response;
@@ -72,6 +73,8 @@ pub struct CampaignStudy {
     pub desirable: Option<Result<Desirable, String>>,
     /// Every fidelity of the theory against every run of known cloth and cut, in run order.
     pub fidelities: Vec<FidelityRun>,
+    /// The cloth of every run of known weight and cut, identified from its hem; in run order.
+    pub identified: Vec<Identified>,
     /// What was set aside on reading.
     pub quarantine: Vec<Quarantined>,
     /// What was read.
@@ -113,7 +116,8 @@ pub fn analyse(measured: Measured, progress: &(dyn Fn() + Sync)) -> CampaignStud
     let regressions = regress(&campaign, &design, &runs);
     let desirable = desirable(&campaign, &regressions);
     let fidelities = fidelities::against(&runs, campaign.gravity);
-    CampaignStudy { campaign, runs, regressions, desirable, fidelities, quarantine, sources, notes }
+    let identified = identify_all(&campaign, &runs);
+    CampaignStudy { campaign, runs, regressions, desirable, fidelities, identified, quarantine, sources, notes }
 }
 
 impl RunStudy {

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::campaign::{CampaignStudy, Measured, Regression, RunStudy, factorial, fit_options, measure, predict};
 use super::fidelities;
+use super::identify::identify_all;
 use super::irregular::irregular;
 use super::response;
 use crate::experiment::{Campaign, DrapeProfile, Run};
@@ -66,7 +67,8 @@ pub fn analyse_part(measured: Measured, part: &Part, progress: &(dyn Fn() + Sync
         .collect();
     let regressions = part.responses.iter().filter_map(|name| regression(&campaign, name, &runs)).collect();
     let fidelities = if part.fidelities { fidelities::against(&runs, campaign.gravity) } else { vec![] };
-    CampaignStudy { campaign, runs, regressions, desirable: None, fidelities, quarantine, sources, notes }
+    let identified = if part.fidelities { identify_all(&campaign, &runs) } else { vec![] };
+    CampaignStudy { campaign, runs, regressions, desirable: None, fidelities, identified, quarantine, sources, notes }
 }
 
 fn one_run(campaign: &Campaign, run: &Run, profile: Option<DrapeProfile>, part: &Part) -> RunStudy {
