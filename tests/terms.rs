@@ -201,6 +201,23 @@ fn stretch_vanishes_like_one_over_its_stiffness() {
 }
 
 #[test]
+fn cloth_that_sags_below_its_own_length_has_an_answer_though_its_energy_is_negative() {
+    let detail = ClothDetail { ring_stiffness: Some(10.0), generatrix_stiffness: Some(10.0), ..ClothDetail::default() };
+    let heavy = Fabric { areal_density: Some(KilogramPerSquareMetre(0.4)), flexural_rigidity: Some(NewtonMetre(5e-6)) };
+    let upright = Skirt::new(Metre(0.12), Metre(0.15), Metre(0.8)).unwrap();
+    let sagging = Scene { detail, fabric: heavy, skirt: upright, choice: with(&[Term::Stretch]), ..scene() };
+    for (theory, size) in
+        [(Theory::Ruled, Fidelity::Ruled { harmonics: 4 }), (Theory::Graded, Fidelity::Graded { harmonics: 1, modes: 4, shear: 0.0 })]
+    {
+        let hung = predict_scene(&Scene { theory, ..sagging.clone() }, Some(size)).unwrap();
+        println!("{theory:?}: {} folds, {} J, {:?} {:?}", hung.folds, hung.energy, hung.termination, hung.notes);
+        assert!(hung.energy < 0.0 && matches!(hung.termination, Termination::Converged | Termination::Round));
+        // The walk over fold counts found one that costs no more than any that it saw.
+        assert!(hung.branches.iter().all(|b| hung.energy <= b.energy + 1e-6 * b.energy.abs()), "{:?}", hung.branches);
+    }
+}
+
+#[test]
 fn what_is_off_is_never_evaluated_and_leaves_every_bit() {
     let plain = predict(&skirt(), &scene().fabric, &Options::default()).unwrap();
     let detail = ClothDetail {

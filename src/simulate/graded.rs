@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DVector, SymmetricEigen};
 
-use super::hanging::{contacts, energies};
+use super::hanging::{above, below, contacts, energies};
 use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, Termination, ruled};
 use crate::error::Error;
 use crate::experiment::Skirt;
@@ -305,7 +305,7 @@ impl Search<'_> {
         let (asked, harmonics, modes) = (shell.setup().folds, shell.setup().harmonics, shell.setup().modes);
         let sizes = DVector::from_fn(harmonics, |k, _| minimum.x.rows(k * modes, modes).norm());
         // The cone's energy is an integral of smooth functions, but on other nodes than this shell's: a part in 10⁹ tells folds from rounding.
-        let folded = 1e-9 * round < round - minimum.at.value && 1e-6 < sizes.amax();
+        let folded = 1e-9 * round.abs() < round - minimum.at.value && 1e-6 < sizes.amax();
         let branch = Branch {
             asked,
             folds: if folded { asked * ruled::period(&sizes) } else { 0 },
@@ -352,14 +352,14 @@ impl Search<'_> {
         let mut tried: Vec<Branch> = Vec::new();
         let mut best: Option<State> = None;
         for start in &walked {
-            let close = start.branch.folds != 0 && start.branch.energy <= least * (1.0 + self.effort.closeness * CLOSE);
+            let close = start.branch.folds != 0 && start.branch.energy <= above(least, self.effort.closeness * CLOSE);
             if !close {
                 tried.push(start.branch.clone());
                 continue;
             }
             let state = self.solve(start.branch.asked, full, Some(start), round);
             tried.push(state.branch.clone());
-            if best.as_ref().is_none_or(|b| state.branch.energy < b.branch.energy * (1.0 - 1e-9)) {
+            if best.as_ref().is_none_or(|b| state.branch.energy < below(b.branch.energy, 1e-9)) {
                 best = Some(state);
             }
         }
@@ -403,7 +403,7 @@ impl Search<'_> {
             (half, slices) = (2 * half, 2 * slices);
             let fine = self.shell(best.branch.asked, harmonics, modes, half, slices);
             let energy = fine.ledger(&best.minimum.x).map(|ledger| ledger.total());
-            if energy.is_some_and(|e| (e - best.minimum.at.value).abs() <= quadrature * e) {
+            if energy.is_some_and(|e| (e - best.minimum.at.value).abs() <= quadrature * e.abs()) {
                 return true;
             }
             let start = best.minimum.x.clone();

@@ -4,6 +4,16 @@ use super::{Contact, TermEnergy};
 use crate::experiment::scene::Term;
 use crate::model::energy::{Gaps, Ledger, Terms};
 
+/// `energy` made larger by this share of its size. Cloth that stretches can hang below its own length, and its energy is then negative.
+pub(super) fn above(energy: f64, share: f64) -> f64 {
+    if energy < 0.0 { energy * (1.0 - share) } else { energy * (1.0 + share) }
+}
+
+/// `energy` made smaller by this share of its size.
+pub(super) fn below(energy: f64, share: f64) -> f64 {
+    if energy < 0.0 { energy * (1.0 + share) } else { energy * (1.0 - share) }
+}
+
 /// The terms that are in, in their order. `all` evaluations were made of the whole; `counts` of each term.
 pub(super) fn energies(ledger: &Ledger, terms: &Terms, all: usize, counts: &[usize; 7]) -> Vec<TermEnergy> {
     let count = |term: Term| if terms.beyond_usual() { counts[term as usize] } else { all };

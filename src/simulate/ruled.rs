@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::hanging::{contacts, energies};
+use super::hanging::{above, below, contacts, energies};
 use super::{Branch, Cloth, Effort, Folds, Multiplier, Prediction, Termination};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
@@ -311,7 +311,7 @@ impl Search<'_> {
             let minimum = self.descend(&shell, &a);
             a = minimum.x.clone();
             // Without folds at one harmonic there is nothing to refine.
-            let flat = round - minimum.at.value <= self.rounding() * round;
+            let flat = round - minimum.at.value <= self.rounding() * round.abs();
             reached = Some((shell, minimum));
             if flat {
                 break;
@@ -351,7 +351,7 @@ impl Search<'_> {
         let harmonics = Some(minimum.x.len() - before);
         let usual = self.terms.gravity.is_some() && self.terms.bending.is_some() && !self.terms.beyond_usual();
         let threshold_rigidity = if usual { threshold_rigidity(self.skirt, self.cloth.weight(), asked) } else { None };
-        if round - minimum.at.value <= self.rounding() * round {
+        if round - minimum.at.value <= self.rounding() * round.abs() {
             return Branch {
                 asked,
                 folds: 0,
@@ -406,7 +406,7 @@ impl Search<'_> {
                 let state = self.solve(asked, walk, start(asked).as_ref(), round);
                 walked.push(state.branch.clone());
                 // A slid branch ties with the branch it slid to up to rounding; the honest one wins.
-                if state.branch.energy < best.branch.energy * (1.0 - 1e-12) {
+                if state.branch.energy < below(best.branch.energy, 1e-12) {
                     (best, failures) = (state, 0);
                 } else {
                     failures += 1;
@@ -418,7 +418,7 @@ impl Search<'_> {
             // More harmonics lower neighbours by nearly the same: only a close rival can still win.
             let rivals = walked
                 .iter()
-                .filter(|b| b.folds != 0 && b.energy <= best.branch.energy * (1.0 + self.effort.closeness * CLOSE))
+                .filter(|b| b.folds != 0 && b.energy <= above(best.branch.energy, self.effort.closeness * CLOSE))
                 .map(|b| b.asked)
                 .collect::<Vec<_>>();
             let from_walk = best.minimum.x.clone();
@@ -428,7 +428,7 @@ impl Search<'_> {
             for asked in rivals.into_iter().filter(|m| *m != leader) {
                 let state = self.solve(asked, harmonics, start(asked).as_ref(), round);
                 tried.push(state.branch.clone());
-                if state.branch.energy < best.branch.energy * (1.0 - 1e-12) {
+                if state.branch.energy < below(best.branch.energy, 1e-12) {
                     best = state;
                 }
             }
@@ -500,7 +500,8 @@ impl Search<'_> {
         let (levels, quadrature): (&[usize], f64) = if self.walls() { (&[2, 4], QUADRATURE_AT_WALLS) } else { (&[2, 4, 8], QUADRATURE) };
         for &fineness in levels {
             let fine = self.shell(folds, harmonics, fineness);
-            let agreed = fine.ledger(&best.minimum.x).is_some_and(|l| (l.total() - best.minimum.at.value).abs() <= quadrature * l.total());
+            let agreed =
+                fine.ledger(&best.minimum.x).is_some_and(|l| (l.total() - best.minimum.at.value).abs() <= quadrature * l.total().abs());
             if agreed {
                 return true;
             }

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use nalgebra::{Cholesky, DVector};
 use serde::Serialize;
 
+use super::hanging::below;
 use super::scene::{Case, Shape, missing};
 use super::{Folds, Prediction, movement};
 use crate::error::Error;
@@ -242,7 +243,7 @@ impl Judge<'_> {
             _ => 2e-2,
         };
         let others = base.branches.iter().filter(|b| b.folds != base.folds);
-        others.map(|b| b.energy * (1.0 - if b.folds == 0 { 0.0 } else { coarse(b.harmonics) }) - base.energy).fold(f64::INFINITY, f64::min)
+        others.map(|b| below(b.energy, if b.folds == 0 { 0.0 } else { coarse(b.harmonics) }) - base.energy).fold(f64::INFINITY, f64::min)
     }
 
     /// The shape `shape` as one under `term` as well, unchanged.
