@@ -116,13 +116,9 @@ pub const KINDS: [Kind; 29] = [
     of_run("polar", Needs::Theory, Shown::All, "one hem unrolled: radius against polar angle, overhangs marked", |_, subject| {
         polar::draw(&view(fitted_subject(subject)?)?)
     }),
-    of_run(
-        "skirt",
-        Needs::Fits,
-        Shown::OneOfACell,
-        "the skirt in space, coloured by flexure and by curvature of its rings",
-        |_, subject| surface::draw(&scenes::skirt(fitted(subject)?).map_err(|why| none(&why))?),
-    ),
+    of_run("skirt", Needs::Fits, Shown::OneOfACell, "the skirt in space, coloured by flexure and by stress intensity", |study, subject| {
+        surface::draw(&scenes::skirt(fitted(subject)?, study.campaign.gravity).map_err(|why| none(&why))?)
+    }),
     of_run("pattern", Needs::Nothing, Shown::OneOfACut, "the flat pattern to scale, with its dimensions", |_, subject| {
         let run = run(subject)?;
         pattern::draw(&format!("Run {}", run.run.id), &scenes::cone(run).map_err(|why| none(&why))?)

@@ -230,6 +230,7 @@ pub fn untranslated(study: &CampaignStudy, options: &Options) -> Result<Vec<Stri
     let gallery = gallery_in(study, options, &translator)?;
     document::untranslated(study, &gallery, options, &translator);
     spreadsheet::workbook(study, &tables::all(study), &options.provenance, &translator)?;
+    page::html(study, options, &translator);
     Ok(translator.missing())
 }
 

@@ -1,16 +1,17 @@
 //! What the figures of single runs and cells are drawn from: hems carried through height, aligned replicates, multipliers.
 
-use std::f64::consts::TAU;
-
 use super::figure::{lambda, paper_cone, paper_curve, paper_element, paper_projection, paper_shell, replicates, surface};
 use super::gallery::{cell_name, cells};
-use super::number::fixed;
+use super::number::{fixed, plain};
 use crate::error::Error;
 use crate::experiment::{Point, Skirt};
 use crate::fit::{Estimate, HemFit};
+use crate::model::field::Field;
 use crate::model::skirt::Cone;
-use crate::model::surface::{LinearSurface, RuledForm, Space};
+use crate::model::surface::{LinearSurface, RuledForm};
 use crate::study::campaign::{CampaignStudy, RunStudy};
+use crate::study::paper::THICKNESS;
+use crate::study::surface as fields;
 use crate::units::MILLIMETRE;
 
 /// Rings of a coloured surface, and points in each.
@@ -45,35 +46,37 @@ fn unanswerable<T>(found: Result<T, String>) -> Result<T, Error> {
     found.map_err(Error::Unanswerable)
 }
 
-/// The surface (18) with the fitted hem, coloured by flexure and by the curvature of its rings.
-pub fn skirt(run: &RunStudy) -> Result<surface::Scene, String> {
+/// The surface (18) with the fitted hem, coloured by flexure and by stress intensity, or by the curvature of its rings where the cloth is not known.
+/// `gravity` in m/s².
+pub fn skirt(run: &RunStudy, gravity: f64) -> Result<surface::Scene, String> {
     let (skirt, fit) = hanging(run)?;
-    let (form, cone) = (LinearSurface::new(skirt, fit.hem), Cone::of(skirt));
-    // As many points in each fold, so that all folds look alike.
-    let folds = fit.folds.unwrap_or(1).max(1) as usize;
-    let around = folds * (AROUND / folds).max(8);
-    let at = |i: usize| TAU * i as f64 / around as f64;
-    let share = |j: usize| j as f64 / RINGS as f64;
-    let rings: Vec<Vec<Space>> = (0..=RINGS).map(|j| (0..around).map(|i| form.point(at(i), share(j))).collect()).collect();
-    let flexure = |j: usize, p: &Space| (p[0].hypot(p[1]) - cone.ring_radius(share(j) * cone.slant_length)) / MILLIMETRE;
-    let curvature = |j: usize, i: usize| form.ring(share(j)).local(at(i)).curvature();
-    let said = fit.folds.map_or_else(|| "no folds".to_string(), |m| format!("m = {m}"));
+    // Heights are counted from the level hem.
+    let height = Cone::of(skirt).height;
+    let sheet = fields::assumed_sheet(&run.run.fabric, gravity);
+    let options = fields::Options { rows: RINGS + 1, columns: AROUND };
+    let drawn = fields::of_fit(skirt, fit, fields::Form::Linear, &sheet, &options).map_err(|e| e.to_string())?;
+    let rows = |values: &[f64], unit: f64| -> Vec<Vec<f64>> {
+        values.chunks(drawn.columns).map(|row| row.iter().map(|v| v / unit).collect()).collect()
+    };
+    let folds = fit.folds.map_or_else(|| "no folds".to_string(), |m| format!("m = {m}"));
+    let mut caption = format!("n = {} · {folds} · the paper’s surface (18) from the round waist to the fitted hem", fit.distances.len());
+    let flexure = drawn.values(Field::Flexure)?;
+    let second = match (drawn.values(Field::StressIntensity), drawn.values(Field::RingCurvature)) {
+        (Ok(stress), _) => {
+            caption.push_str(&format!(
+                " · stress as if the cloth were {} mm thick with ν = {}",
+                plain(THICKNESS / MILLIMETRE),
+                plain(fields::ASSUMED_POISSON)
+            ));
+            surface::Field { name: "stress intensity".into(), unit: "Pa".into(), values: rows(stress, 1.0) }
+        }
+        (Err(_), curvature) => surface::Field { name: "curvature of the rings".into(), unit: "1/m".into(), values: rows(curvature?, 1.0) },
+    };
     Ok(surface::Scene {
         run: run.run.id.clone(),
-        caption: format!("n = {} · {said} · the paper’s surface (18) from the round waist to the fitted hem", fit.distances.len()),
-        fields: vec![
-            surface::Field {
-                name: "flexure r − R".into(),
-                unit: "mm".into(),
-                values: rings.iter().enumerate().map(|(j, ring)| ring.iter().map(|p| flexure(j, p)).collect()).collect(),
-            },
-            surface::Field {
-                name: "curvature of the rings".into(),
-                unit: "1/m".into(),
-                values: (0..=RINGS).map(|j| (0..around).map(|i| curvature(j, i)).collect()).collect(),
-            },
-        ],
-        rings,
+        caption,
+        rings: drawn.positions.chunks(drawn.columns).map(|ring| ring.iter().map(|[x, y, z]| [*x, *y, z + height]).collect()).collect(),
+        fields: vec![surface::Field { name: "flexure r − R".into(), unit: "mm".into(), values: rows(flexure, MILLIMETRE) }, second],
     })
 }
 

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::campaign::RunStudy;
+use super::surface::assumed_sheet;
 use crate::experiment::{Point, Skirt};
+use crate::model::field::{self, Grid, HemSample, Sheet, surface_fields};
 use crate::model::hem::{Hem, Placement};
 use crate::model::skirt::Cone;
 use crate::model::surface::{LinearSurface, Space};
@@ -35,6 +37,9 @@ pub enum Quantity {
     Curvature,
     /// Rigidity times that curvature: the bending moment per width that intensifies the stress at the faces, N.
     BendingMoment,
+    /// von Mises' stress of hanging and bending at the face where it is greater, Pa, with the thickness and Poisson's ratio of
+    /// [`assumed_sheet`](super::surface::assumed_sheet).
+    StressIntensity,
 }
 
 /// One number for each point.
@@ -80,20 +85,20 @@ impl Default for Options {
 /// A round surface is made of so many equal pieces.
 const PIECES: u32 = 12;
 
-/// The surfaces that exist for a run, the fitted one first: none without a fit or a cut.
+/// The surfaces that exist for a run, the fitted one first: none without a fit or a cut. `gravity` in m/s².
 ///
 /// Richer fields of the same grid belong into [`DrapedSurface::fields`].
-pub fn draped(study: &RunStudy, options: &Options) -> Vec<DrapedSurface> {
+pub fn draped(study: &RunStudy, gravity: f64, options: &Options) -> Vec<DrapedSurface> {
     let (Ok(fit), Some(skirt)) = (&study.fit, &study.run.skirt) else { return vec![] };
-    let rigidity = study.run.fabric.flexural_rigidity.map(|b| b.0);
+    let sheet = &assumed_sheet(&study.run.fabric, gravity);
     let copies = fit.folds.unwrap_or(PIECES);
     // A drape tester's cone is flat: only straight generatrices give its hem a height.
     let fitted = if 0.0 < Cone::of(skirt).height {
-        linear(skirt, &fit.hem, copies, fit.placement.phase, rigidity, options)
+        linear(skirt, &fit.hem, copies, fit.placement.phase, sheet, options)
     } else {
         let (hem, places) = by_length(&fit.hem, copies);
         let ends = Ends { hem: &hem, places: &places, copies, phase: fit.placement.phase };
-        straight(HemOf::Fit, skirt, &ends, rigidity, options)
+        straight(HemOf::Fit, skirt, &ends, sheet, options)
     };
     let theory = study.prediction_at_fitted_folds.as_ref().map(|prediction| {
         let hem = &prediction.outline;
@@ -101,7 +106,7 @@ pub fn draped(study: &RunStudy, options: &Options) -> Vec<DrapedSurface> {
         let places: Vec<f64> = (0..hem.len()).map(|i| TAU * i as f64 / hem.len() as f64).collect();
         let phase = study.comparison.as_ref().map_or(fit.placement.phase, |c| c.placement.phase);
         let copies = if prediction.folds == 0 { PIECES } else { prediction.folds };
-        straight(HemOf::Theory, skirt, &Ends { hem, places: &places, copies, phase }, rigidity, options)
+        straight(HemOf::Theory, skirt, &Ends { hem, places: &places, copies, phase }, sheet, options)
     });
     std::iter::once(fitted).chain(theory).collect()
 }
@@ -120,7 +125,7 @@ impl Options {
 }
 
 /// The paper's surface below the waist of `skirt`.
-fn linear(skirt: &Skirt, hem: &Hem, copies: u32, phase: f64, rigidity: Option<f64>, options: &Options) -> DrapedSurface {
+fn linear(skirt: &Skirt, hem: &Hem, copies: u32, phase: f64, sheet: &Sheet, options: &Options) -> DrapedSurface {
     let surface = LinearSurface::new(skirt, *hem);
     let faces = options.faces(copies);
     let (mut points, mut curvature) = (vec![], vec![]);
@@ -132,7 +137,12 @@ fn linear(skirt: &Skirt, hem: &Hem, copies: u32, phase: f64, rigidity: Option<f6
             curvature.push(ring.local(t).curvature());
         }
     }
-    let fields = fields(skirt, &points, (faces + 1, options.down), curvature, rigidity);
+    let whole = field::linear(skirt, *hem, options.down + 1, faces * copies as usize);
+    // The first of the copies, and where the next one begins.
+    let columns = whole.sigma.len();
+    let stress =
+        stress(skirt, &whole, sheet).map(|all| all.chunks(columns).flat_map(|ring| (0..=faces).map(|i| ring[i % columns])).collect());
+    let fields = fields(skirt, &points, (faces + 1, options.down), curvature, sheet.rigidity, stress);
     DrapedSurface { hem_of: HemOf::Fit, carried: Carried::Linear, copies, round: faces + 1, down: options.down + 1, points, fields }
 }
 
@@ -151,10 +161,21 @@ impl Ends<'_> {
         let between = |waist: f64, hem: f64| waist + fraction * (hem - waist);
         Point::new(between(waist * cos, hem.x), between(waist * sin, hem.y))
     }
+
+    /// The hem at point `i` with its derivatives by the number of the point.
+    fn sample(&self, i: usize) -> HemSample {
+        let n = self.hem.len();
+        // Five neighbours; angles grow on beyond the end of the hem.
+        let near = std::array::from_fn(|k| i + n + k - 2);
+        let x = by_number(near.map(|j: usize| self.hem[j % n].x));
+        let y = by_number(near.map(|j| self.hem[j % n].y));
+        let sigma = by_number(near.map(|j| self.places[j % n] + TAU * (j / n) as f64));
+        HemSample { position: [x[0], y[0]], first: [x[1], y[1]], second: [x[2], y[2]], sigma }
+    }
 }
 
 /// Straight generatrices of the slant of `skirt` from its waist to a hem.
-fn straight(hem_of: HemOf, skirt: &Skirt, ends: &Ends<'_>, rigidity: Option<f64>, options: &Options) -> DrapedSurface {
+fn straight(hem_of: HemOf, skirt: &Skirt, ends: &Ends<'_>, sheet: &Sheet, options: &Options) -> DrapedSurface {
     let (waist, slant) = (skirt.waist_radius().0, skirt.slant_length().0);
     let (n, faces) = (ends.hem.len(), options.faces(ends.copies));
     let in_copy = n / ends.copies as usize;
@@ -171,7 +192,9 @@ fn straight(hem_of: HemOf, skirt: &Skirt, ends: &Ends<'_>, rigidity: Option<f64>
             curvature.push(bend(std::array::from_fn(near)));
         }
     }
-    let fields = fields(skirt, &points, (faces + 1, options.down), curvature, rigidity);
+    let samples: Vec<HemSample> = (0..=faces).map(|face| ends.sample((in_copy * face + faces / 2) / faces)).collect();
+    let stress = field::ruled(skirt, &samples, options.down + 1).and_then(|grid| stress(skirt, &grid, sheet));
+    let fields = fields(skirt, &points, (faces + 1, options.down), curvature, sheet.rigidity, stress);
     let carried = Carried::Straight { beyond: beyond.max(0.0) };
     DrapedSurface { hem_of, carried, copies: ends.copies, round: faces + 1, down: options.down + 1, points, fields }
 }
@@ -191,16 +214,18 @@ fn by_length(hem: &Hem, copies: u32) -> (Vec<Point>, Vec<f64>) {
 
 /// Curvature at the middle of five points of a smooth curve, evenly spaced in its parameter, 1/m.
 fn bend(five: [Point; 5]) -> f64 {
-    let first = |pick: fn(&Point) -> f64| {
-        let [a, b, _, d, e] = five.each_ref().map(pick);
-        (a - 8.0 * b + 8.0 * d - e) / 12.0
-    };
-    let second = |pick: fn(&Point) -> f64| {
-        let [a, b, c, d, e] = five.each_ref().map(pick);
-        (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 12.0
-    };
-    let (dx, dy) = (first(|p| p.x), first(|p| p.y));
-    (dx * second(|p| p.y) - dy * second(|p| p.x)) / dx.hypot(dy).powi(3)
+    let ([_, dx, ddx], [_, dy, ddy]) = (by_number(five.map(|p| p.x)), by_number(five.map(|p| p.y)));
+    (dx * ddy - dy * ddx) / dx.hypot(dy).powi(3)
+}
+
+/// The middle one of five even values with its first and second derivative by their number: fourth order.
+fn by_number([a, b, c, d, e]: [f64; 5]) -> [f64; 3] {
+    [c, (a - 8.0 * b + 8.0 * d - e) / 12.0, (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 12.0]
+}
+
+/// Stress intensity at every point of a grid; `None` where the cloth is not known, or hangs from nothing.
+fn stress(skirt: &Skirt, grid: &Grid, sheet: &Sheet) -> Option<Vec<f64>> {
+    surface_fields("surface", 0, skirt, grid, sheet).values(field::Field::StressIntensity).ok().map(<[f64]>::to_vec)
 }
 
 fn turned([x, y, z]: Space, phase: f64) -> Space {
@@ -209,14 +234,23 @@ fn turned([x, y, z]: Space, phase: f64) -> Space {
 }
 
 /// Everything that a point may be coloured by.
-fn fields(skirt: &Skirt, points: &[Space], (round, down): (usize, usize), curvature: Vec<f64>, rigidity: Option<f64>) -> Vec<Field> {
+fn fields(
+    skirt: &Skirt,
+    points: &[Space],
+    (round, down): (usize, usize),
+    curvature: Vec<f64>,
+    rigidity: Option<f64>,
+    stress: Option<Vec<f64>>,
+) -> Vec<Field> {
     let cone = Cone::of(skirt);
     let unfolded = |i: usize| cone.ring_radius(cone.slant_length * (i / round) as f64 / down as f64);
     let flexure = points.iter().enumerate().map(|(i, [x, y, _])| x.hypot(*y) - unfolded(i)).collect();
     let moment = rigidity.map(|b| Field { quantity: Quantity::BendingMoment, values: curvature.iter().map(|k| b * k).collect() });
+    let stress = stress.map(|values| Field { quantity: Quantity::StressIntensity, values });
     [Field { quantity: Quantity::Flexure, values: flexure }, Field { quantity: Quantity::Curvature, values: curvature }]
         .into_iter()
         .chain(moment)
+        .chain(stress)
         .collect()
 }
 
@@ -232,9 +266,13 @@ mod tests {
         Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap()
     }
 
+    fn sheet() -> Sheet {
+        Sheet { weight: Some(2.0), rigidity: Some(1e-5), thickness: Some(5e-4), poisson: Some(0.2) }
+    }
+
     fn straight_fit(skirt: &Skirt) -> DrapedSurface {
         let (hem, places) = by_length(&HEM, HEM.folds);
-        straight(HemOf::Fit, skirt, &Ends { hem: &hem, places: &places, copies: HEM.folds, phase: 0.3 }, Some(1e-5), &Options::default())
+        straight(HemOf::Fit, skirt, &Ends { hem: &hem, places: &places, copies: HEM.folds, phase: 0.3 }, &sheet(), &Options::default())
     }
 
     fn values(surface: &DrapedSurface, quantity: Quantity) -> &[f64] {
@@ -243,7 +281,7 @@ mod tests {
 
     #[test]
     fn both_surfaces_join_the_waist_to_the_hem_and_close_copy_by_copy() {
-        for surface in [linear(&skirt(), &HEM, 5, 0.3, None, &Options::default()), straight_fit(&skirt())] {
+        for surface in [linear(&skirt(), &HEM, 5, 0.3, &Sheet::default(), &Options::default()), straight_fit(&skirt())] {
             let last = &surface.points[surface.points.len() - surface.round..];
             assert_eq!(surface.points.len(), surface.round * surface.down);
             for point in &surface.points[..surface.round] {
@@ -287,7 +325,7 @@ mod tests {
     #[test]
     fn an_unfolded_cone_has_no_flexure() {
         let cone = Hem { p: 0.2362, q: 0.0, s: 0.0, folds: 1 };
-        let surface = linear(&skirt(), &cone, PIECES, 0.0, None, &Options::default());
+        let surface = linear(&skirt(), &cone, PIECES, 0.0, &Sheet::default(), &Options::default());
         assert!(values(&surface, Quantity::Flexure).iter().all(|f| f.abs() < 1e-14));
         assert_eq!(surface.fields.len(), 2);
     }
@@ -297,10 +335,36 @@ mod tests {
         let tester = Skirt::drapemeter(Metre(0.09), Metre(0.15)).unwrap();
         let wide = Hem { p: 0.153, q: 0.0, s: 0.0, folds: 1 };
         let (hem, places) = by_length(&wide, PIECES);
-        let surface =
-            straight(HemOf::Fit, &tester, &Ends { hem: &hem, places: &places, copies: PIECES, phase: 0.0 }, None, &Options::default());
+        let surface = straight(
+            HemOf::Fit,
+            &tester,
+            &Ends { hem: &hem, places: &places, copies: PIECES, phase: 0.0 },
+            &Sheet::default(),
+            &Options::default(),
+        );
         let Carried::Straight { beyond } = surface.carried else { panic!("{:?}", surface.carried) };
         assert!((beyond - 0.003).abs() < 1e-12);
         assert!(surface.points.iter().all(|p| p[2] == 0.0));
+    }
+
+    /// One copy of the exact field at the columns that are drawn.
+    fn exact(grid: &Grid, round: usize) -> Vec<f64> {
+        let columns = grid.sigma.len();
+        stress(&skirt(), grid, &sheet()).unwrap().chunks(columns).flat_map(|ring| (0..round).map(|i| ring[i % columns])).collect()
+    }
+
+    #[test]
+    fn stress_of_drawn_points_is_that_of_the_exact_surface() {
+        let drawn = linear(&skirt(), &HEM, 5, 0.3, &sheet(), &Options::default());
+        let whole = field::linear(&skirt(), HEM, DOWN + 1, 5 * (drawn.round - 1));
+        assert_eq!(values(&drawn, Quantity::StressIntensity), exact(&whole, drawn.round));
+        // Even in t, as the drawn ones: 24 faces of a fold of 240 points.
+        let drawn = straight_fit(&skirt());
+        let hem = field::sampled_hem(&HEM, 5 * (drawn.round - 1));
+        let expected = exact(&field::ruled(&skirt(), &hem, DOWN + 1).unwrap(), drawn.round);
+        for (i, (found, expected)) in values(&drawn, Quantity::StressIntensity).iter().zip(&expected).enumerate() {
+            // As the curvature by differences.
+            assert!((found / expected - 1.0).abs() < 2e-4, "{i}: {found} {expected}");
+        }
     }
 }

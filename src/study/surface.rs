@@ -68,6 +68,15 @@ pub fn sheet(fabric: &Fabric, gravity: f64, thickness: Option<Metre>, poisson: O
     }
 }
 
+/// The same as if the cloth were as thick as the paper's and stretched without growing narrower: no campaign measures thickness or Poisson's ratio. What is
+/// drawn with it says so.
+pub fn assumed_sheet(fabric: &Fabric, gravity: f64) -> Sheet {
+    sheet(fabric, gravity, Some(Metre(super::paper::THICKNESS)), Some(ASSUMED_POISSON))
+}
+
+/// Poisson's ratio of [`assumed_sheet`]: that of loose weaves is small, and 0 keeps bending moment and curvature in proportion.
+pub const ASSUMED_POISSON: f64 = 0.0;
+
 /// The surface of a prediction in the form that its theory has, with all fields that the cloth data allow.
 ///
 /// # Errors

@@ -52,7 +52,7 @@ pub fn view(study: &RunStudy, campaign: &CampaignStudy, detail: &Detail) -> Valu
         "treatment": treatment,
         "notes": note::of(study),
         "hem": hem(study, detail),
-        "surfaces": surface::surfaces(study, &detail.surface),
+        "surfaces": surface::surfaces(study, campaign.campaign.gravity, &detail.surface),
         "surface_missing": surface::missing(study),
         "numbers": of_texts(&number_columns(), numbers(study)),
         "folds": of_texts(&fold_columns(), folds(study)),

@@ -22,7 +22,7 @@ struct Shown {
     decimals: usize,
 }
 
-const SHOWN: [Shown; 3] = [
+const SHOWN: [Shown; 4] = [
     Shown {
         quantity: Quantity::Flexure,
         label: "Flexure",
@@ -50,6 +50,17 @@ const SHOWN: [Shown; 3] = [
         step: 0.0002,
         decimals: 3,
     },
+    Shown {
+        quantity: Quantity::StressIntensity,
+        label: "Stress intensity",
+        // The cloth of `assumed_sheet`.
+        about: "Stress intensity: von Mises’ stress of hanging and bending, at the face where it is greater, as if the cloth were 1 mm thick with Poisson’s \
+                ratio 0.",
+        unit: "Pa",
+        factor: 1.0,
+        step: 5.0,
+        decimals: 0,
+    },
 ];
 
 /// Share of the points at either end that may be beyond the scale: sharp bends would take all colours otherwise.
@@ -71,7 +82,8 @@ impl Scale {
 
 /// One for each quantity that can be shown, in their order.
 pub fn scales(study: &CampaignStudy, options: &Options) -> Vec<Scale> {
-    let all: Vec<Field> = study.runs.iter().flat_map(|run| draped(run, options)).flat_map(|surface| surface.fields).collect();
+    let all: Vec<Field> =
+        study.runs.iter().flat_map(|run| draped(run, study.campaign.gravity, options)).flat_map(|surface| surface.fields).collect();
     let one = |shown: &'static Shown| {
         let values = all.iter().filter(|f| f.quantity == shown.quantity).flat_map(|f| &f.values).map(|v| v / shown.factor);
         let (low, high) = range(values.collect());
@@ -98,9 +110,9 @@ fn rounded(value: f64, shown: &Shown) -> f64 {
     format!("{value:.decimals$}").parse::<f64>().unwrap_or(value) + 0.0
 }
 
-/// The surfaces of one run.
-pub fn surfaces(study: &RunStudy, options: &Options) -> Vec<Value> {
-    draped(study, options).iter().map(surface).collect()
+/// The surfaces of one run; `gravity` in m/s².
+pub fn surfaces(study: &RunStudy, gravity: f64, options: &Options) -> Vec<Value> {
+    draped(study, gravity, options).iter().map(surface).collect()
 }
 
 fn surface(surface: &DrapedSurface) -> Value {
@@ -155,5 +167,20 @@ pub fn missing(study: &RunStudy) -> &'static str {
         (Err(_), _) => "There is no surface without a fit.",
         (_, None) => "There is no surface: the cut is not known.",
         _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::number::plain;
+    use crate::study::{paper::THICKNESS, surface::ASSUMED_POISSON};
+
+    #[test]
+    fn the_assumption_that_is_said_is_the_one_that_is_made() {
+        let said =
+            format!("as if the cloth were {} mm thick with Poisson’s ratio {}.", plain(THICKNESS / MILLIMETRE), plain(ASSUMED_POISSON));
+        let shown = SHOWN.iter().find(|s| s.quantity == Quantity::StressIntensity).unwrap();
+        assert!(shown.about.ends_with(&said), "{said}");
     }
 }
