@@ -6,11 +6,13 @@ use hemline::experiment::Point;
 use hemline::experiment::campaign::{PictureScale, Pictures};
 use hemline::import::image;
 use hemline::report::study_section::{Machine, StudySection, write};
-use hemline::report::{accuracy as accuracy_report, stability as stability_report};
+use hemline::report::{accuracy as accuracy_report, stability as stability_report, terms as terms_report};
+use hemline::simulate::scene::HemNumbers;
 use hemline::study::accuracy::picture::Picture;
 use hemline::study::accuracy::{self, AccuracyStudy, Depth, Options};
 use hemline::study::hard_cases::{Outcome, SEVERITIES};
 use hemline::study::stability::{self, StabilityStudy};
+use hemline::study::terms::{self, TermsStudy};
 
 const QUICK: Options = Options { depth: Depth::Quick, seed: 1 };
 
@@ -22,6 +24,9 @@ fn traced(picture: &Picture) -> Result<Vec<Point>, hemline::Error> {
 static ACCURACY: LazyLock<AccuracyStudy> =
     LazyLock::new(|| accuracy::study(&QUICK, &traced, &|_, _| ()).expect("every reference is reached"));
 static STABILITY: LazyLock<StabilityStudy> = LazyLock::new(|| stability::study(&QUICK, &|| ()));
+
+static TERMS: LazyLock<TermsStudy> =
+    LazyLock::new(|| terms::study(terms::grid(Depth::Quick), terms::fidelity(Depth::Quick), &|| ()));
 
 /// Rows of a fixture; docs/studies.md says how it is made.
 fn fixture(name: &str) -> Vec<String> {
@@ -68,11 +73,23 @@ fn stability_counts() -> Vec<(String, Option<usize>)> {
         .collect()
 }
 
+/// Evaluations with and without each term, and in the name what it is about: whether the term is in and the folds on either side.
+fn terms_counts() -> Vec<(String, Option<usize>)> {
+    let sides = |row: &hemline::simulate::scene::Switched| [("with", row.with.clone()), ("without", row.without.clone())];
+    let rows = TERMS.rows().flat_map(|(scene, row)| sides(row).map(|(side, hem)| (scene, row, side, hem)));
+    rows.map(|(scene, row, side, hem): (_, _, _, Option<HemNumbers>)| {
+        let state = if row.screened.on { "in" } else { "out" };
+        let folds = hem.as_ref().map_or_else(|| "no hem".into(), |hem| format!("{} folds", hem.folds));
+        (format!("{}|{}|{state}|{side}|{folds}", scene.name, row.term.name()), hem.map(|hem| hem.evaluations))
+    })
+    .collect()
+}
+
 /// Prints the fixtures: `cargo test --release --test studies -- --ignored --nocapture`.
 #[test]
 #[ignore = "makes the fixtures"]
 fn print_the_counts() {
-    for (name, counts) in [("accuracy", accuracy_counts()), ("stability", stability_counts())] {
+    for (name, counts) in [("accuracy", accuracy_counts()), ("stability", stability_counts()), ("terms", terms_counts())] {
         for (row, count) in counts {
             println!("{name}: {row}|{}", count.map_or_else(String::new, |n| n.to_string()));
         }
@@ -135,10 +152,36 @@ fn stability_outcomes_and_counts_are_as_they_were() {
 }
 
 #[test]
+fn every_scene_of_the_quick_grid_has_its_terms_switched() {
+    let failed: Vec<_> = TERMS.scenes.iter().filter_map(|(name, answer)| Some((name, answer.as_ref().err()?))).collect();
+    assert!(TERMS.scenes.len() == 8 && failed.is_empty(), "{failed:?}");
+    // Gravity, bending, shear, stretch and contact of folds everywhere, hips in half of the scenes.
+    assert_eq!(TERMS.rows().count(), 5 * 8 + 4);
+}
+
+#[test]
+fn the_screen_leaves_out_no_term_that_moves_the_hem_by_more_than_the_tolerance() {
+    let missed: Vec<String> = TERMS
+        .rows()
+        .filter(|(scene, row)| !row.screened.on && row.movement.is_some_and(|moved| scene.tolerance < moved))
+        .map(|(scene, row)| format!("{}: {} moves {:?} m, estimated {:?}", scene.name, row.term.name(), row.movement, row.screened.movement))
+        .collect();
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+#[test]
+fn terms_counts_are_as_they_were() {
+    compare(&terms_counts(), &fixture("terms_counts.txt"));
+}
+
+#[test]
 fn sections_are_written_whole_with_figures_that_hold_numbers_only() {
     let machine = Machine { name: "a test".into(), threads: 1 };
-    let sections: [StudySection; 2] =
-        [accuracy_report::section(&ACCURACY, &machine).expect("drawn"), stability_report::section(&STABILITY).expect("drawn")];
+    let sections: [StudySection; 3] = [
+        accuracy_report::section(&ACCURACY, &machine).expect("drawn"),
+        stability_report::section(&STABILITY).expect("drawn"),
+        terms_report::section(&TERMS).expect("drawn"),
+    ];
     let folder = tempfile::tempdir().expect("a folder");
     for section in &sections {
         let written = write(section, folder.path()).expect("written");
@@ -153,4 +196,5 @@ fn sections_are_written_whole_with_figures_that_hold_numbers_only() {
     assert!(
         header(0).starts_with("panel,method,knob,setting,asked_mm,") && header(1).starts_with("subject,case,what_grows,severity,outcome,")
     );
+    assert!(header(2).starts_with("scene,term,on,number,tolerance_mm,estimate_mm,movement_mm,"));
 }

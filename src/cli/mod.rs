@@ -16,7 +16,6 @@ pub mod regress;
 pub mod report;
 pub mod run;
 mod study;
-pub mod study_terms;
 pub mod skirt;
 pub mod surface;
 pub mod told;

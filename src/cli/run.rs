@@ -43,13 +43,23 @@ pub struct Run {
     /// Print summary.json on stdout instead of the summary in words.
     #[arg(long)]
     pub json: bool,
+    /// Run the three studies of `hemline study`, quickly, and print them as a chapter of report.pdf with figures of their own.
+    #[arg(long)]
+    pub studies: bool,
     #[command(flatten)]
     pub flags: ReportFlags,
 }
 
 impl Default for Run {
     fn default() -> Self {
-        Run { campaign: "data".into(), out: "reports".into(), no_pictures: false, json: false, flags: ReportFlags::default() }
+        Run {
+            campaign: "data".into(),
+            out: "reports".into(),
+            no_pictures: false,
+            json: false,
+            studies: false,
+            flags: ReportFlags::default(),
+        }
     }
 }
 
@@ -67,6 +77,10 @@ pub fn run(args: &Run) -> Result<ExitCode, Error> {
     let mut options = args.flags.options(&study)?;
     if args.no_pictures {
         options.parts.remove(&Part::Figures);
+    }
+    if args.studies && (options.wants(Part::Pdf) || options.wants(Part::Figures)) {
+        options.sections = super::study::chapters(&bar)?;
+        bar.set_message("Writing the report");
     }
     let mut written = report::write_with(&study, &args.out, &options, &super::steps(&bar))?;
     written.extend(write_overlays(&silhouettes, "run", &args.out)?);

@@ -35,6 +35,7 @@ pub mod surface;
 mod sureness;
 pub mod table;
 pub mod tables;
+pub mod terms;
 pub mod typeset;
 pub mod words;
 

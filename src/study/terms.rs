@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::accuracy::Depth;
 use crate::error::Error;
-use crate::experiment::scene::{Body, BodyShape, Choice, ClothDetail, Scene, Term, TermSet, Theory, WaistEdge};
+use crate::experiment::scene::{Body, BodyShape, Choice, ClothDetail, Scene, TermSet, Theory, WaistEdge};
 use crate::experiment::{Apparatus, Campaign, Fabric, Skirt};
 use crate::simulate::Fidelity;
 use crate::simulate::scene::{Switched, switch_terms};
@@ -26,6 +27,34 @@ pub struct SceneTerms {
     pub rows: Vec<Switched>,
 }
 
+/// A scene with the name that tables and figures give it.
+pub type Named = (String, Scene);
+
+/// Scenes and what came of each, in their order.
+#[derive(Debug)]
+pub struct TermsStudy {
+    /// With the reason where there is no answer.
+    pub scenes: Vec<(String, Result<SceneTerms, Error>)>,
+}
+
+impl TermsStudy {
+    /// Every switched term with its scene.
+    pub fn rows(&self) -> impl Iterator<Item = (&SceneTerms, &Switched)> {
+        let scenes = self.scenes.iter().filter_map(|(_, answer)| answer.as_ref().ok());
+        scenes.flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)))
+    }
+}
+
+/// Switches every term of every scene on all cores; `done` is called once for each scene. The result depends on the scenes alone.
+pub fn study(scenes: Vec<Named>, fidelity: Option<Fidelity>, done: &(dyn Fn() + Sync)) -> TermsStudy {
+    let one = |(name, scene): Named| {
+        let answer = of_scene(&name, &scene, fidelity);
+        done();
+        (name, answer)
+    };
+    TermsStudy { scenes: scenes.into_par_iter().map(one).collect() }
+}
+
 /// Switches every term of one scene.
 ///
 /// # Errors
@@ -44,9 +73,9 @@ pub fn of_scene(name: &str, scene: &Scene, fidelity: Option<Fidelity>) -> Result
     })
 }
 
-/// Every treatment of a campaign whose cut and cloth are known, once, in run order; with the reason where there is no answer.
-pub fn of_campaign(campaign: &Campaign) -> Vec<(String, Result<SceneTerms, Error>)> {
-    let mut scenes: Vec<(String, Scene)> = Vec::new();
+/// Every treatment of a campaign whose cut and cloth are known, once, in run order.
+pub fn scenes_of(campaign: &Campaign) -> Vec<Named> {
+    let mut scenes: Vec<Named> = Vec::new();
     for run in &campaign.design.runs {
         let Some(skirt) = run.skirt else { continue };
         let hanging = campaign.hanging.unwrap_or(crate::experiment::scene::Hanging {
@@ -61,14 +90,23 @@ pub fn of_campaign(campaign: &Campaign) -> Vec<(String, Result<SceneTerms, Error
             scenes.push((format!("run {}", run.id), scene));
         }
     }
-    answer(scenes)
+    scenes
 }
 
-/// The corners and middles of what cloth and skirts are: rigidity, length, and a body or none, all with real shear, stretch and thickness.
-pub fn grid() -> Vec<(String, Result<SceneTerms, Error>)> {
+/// What cloth and skirts are: rigidity (N·m) with areal density (kg/m²), slant length (m), and a body or none, all with real shear, stretch and
+/// thickness. [`Depth::Quick`] has the corners, [`Depth::Usual`] the middles too, [`Depth::Full`] what is between.
+pub fn grid(depth: Depth) -> Vec<Named> {
+    let cloths =
+        [("soft", 1e-6, 0.12), ("rather soft", 3e-6, 0.16), ("medium", 1e-5, 0.2), ("rather stiff", 2.2e-5, 0.25), ("stiff", 5e-5, 0.3)];
+    let lengths = [("short", 0.35), ("rather short", 0.43), ("knee", 0.53), ("rather long", 0.69), ("long", 0.9)];
+    let step = match depth {
+        Depth::Quick => 4,
+        Depth::Usual => 2,
+        Depth::Full => 1,
+    };
     let mut scenes = Vec::new();
-    for (cloth, rigidity, density) in [("soft", 1e-6, 0.12), ("medium", 1e-5, 0.2), ("stiff", 5e-5, 0.3)] {
-        for (length, slant) in [("short", 0.35), ("knee", 0.53), ("long", 0.9)] {
+    for (cloth, rigidity, density) in cloths.into_iter().step_by(step) {
+        for (length, slant) in lengths.into_iter().step_by(step) {
             // Of the same conicity: the paper's Table 1.
             let skirt = Skirt::new(Metre(0.121), Metre(0.121 + 0.217 * slant), Metre(slant));
             for body in [None, Some(BODY)] {
@@ -76,11 +114,16 @@ pub fn grid() -> Vec<(String, Result<SceneTerms, Error>)> {
                 let fabric =
                     Fabric { areal_density: Some(KilogramPerSquareMetre(density)), flexural_rigidity: Some(NewtonMetre(rigidity)) };
                 let name = format!("{cloth}, {length}{}", if body.is_some() { ", over hips" } else { "" });
-                scenes.push((name, Scene { skirt, fabric, body, ..plain(skirt, fabric) }));
+                scenes.push((name, Scene { body, ..plain(skirt, fabric) }));
             }
         }
     }
-    answer(scenes)
+    scenes
+}
+
+/// The size of the theory that a depth takes: a quick look has fewer harmonics, any other the scene's own theory.
+pub fn fidelity(depth: Depth) -> Option<Fidelity> {
+    (depth == Depth::Quick).then_some(Fidelity::Ruled { harmonics: 3 })
 }
 
 /// Hips of 94 cm below a waist of 76 cm.
@@ -112,28 +155,17 @@ fn plain(skirt: Skirt, fabric: Fabric) -> Scene {
     }
 }
 
-fn answer(scenes: Vec<(String, Scene)>) -> Vec<(String, Result<SceneTerms, Error>)> {
-    scenes
-        .into_par_iter()
-        .map(|(name, scene)| {
-            let answer = of_scene(&name, &scene, None);
-            (name, answer)
-        })
-        .collect()
-}
-
-/// The map: for every scene and term the movement in mm, `None` where the scene has no such term or no answer.
-pub fn map(answers: &[(String, Result<SceneTerms, Error>)]) -> Vec<(String, [Option<f64>; 7])> {
-    let row = |(name, answer): &(String, Result<SceneTerms, Error>)| {
-        let of = |term: Term| answer.as_ref().ok()?.rows.iter().find(|row| row.term == term)?.movement.map(|m| m / MILLIMETRE);
-        (name.clone(), Term::ALL.map(of))
-    };
-    answers.iter().map(row).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::scene::Term;
+
+    #[test]
+    fn a_deeper_grid_has_the_scenes_of_a_shallower_one() {
+        let [quick, usual, full] = [Depth::Quick, Depth::Usual, Depth::Full].map(grid);
+        assert_eq!([quick.len(), usual.len(), full.len()], [8, 18, 50]);
+        assert!(quick.iter().all(|scene| usual.contains(scene)) && usual.iter().all(|scene| full.contains(scene)));
+    }
 
     #[test]
     fn every_term_with_data_is_switched_about_what_the_screen_chose() {
@@ -150,6 +182,6 @@ mod tests {
         for row in study.rows.iter().filter(|row| !row.screened.on) {
             assert!(row.movement.unwrap() < study.tolerance, "{row:?}");
         }
-        assert!(study.chosen.contains(Term::Gravity) && map(&[("one".into(), Ok(study))])[0].1[Term::Foundation as usize].is_none());
+        assert!(study.chosen.contains(Term::Gravity));
     }
 }

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{Common, machine, next_part, tell};
+use super::{Common, Drawing, machine, next_part, tell};
 use crate::cli::progress;
 use crate::error::Error;
 use crate::experiment::Point;
@@ -19,6 +19,8 @@ use crate::study::accuracy::{Depth, Options, study};
 pub struct Accuracy {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    drawing: Drawing,
 }
 
 /// Runs the study. Exit code 1 if an accuracy that was asked for and claimed was not delivered.
@@ -26,7 +28,7 @@ pub struct Accuracy {
 /// # Errors
 /// Those of [`study`], and [`Error::File`] if the folder cannot be written.
 pub fn run(args: &Accuracy) -> Result<ExitCode, Error> {
-    let options = Options { depth: depth(&args.common), seed: args.common.seed };
+    let options = Options { depth: depth(&args.common), seed: args.drawing.seed };
     let bar = progress(0, "Accuracy");
     let found = study(&options, &traced, &|name, count| next_part(&bar, name, count))?;
     bar.finish_and_clear();

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod stability;
+mod terms;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -10,11 +11,17 @@ use clap::{Args, Subcommand};
 use indicatif::ProgressBar;
 
 use crate::error::Error;
+use crate::report;
+use crate::report::section::Section;
 use crate::report::study_section::{Machine, StudySection, markdown, write};
+use crate::study::accuracy::{Depth, Options};
+use crate::study::terms::{fidelity, grid, study as terms_study};
 
-/// Study the program itself: what accuracy costs in time, and how far it can be trusted on hard cases.
+/// Study the program itself: what accuracy costs in time, how far it can be trusted on hard cases, and what each effect is worth.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  hemline study accuracy --out studies\n  hemline study stability --out studies --full")]
+#[command(
+    after_help = "Examples:\n  hemline study accuracy --out studies\n  hemline study stability --out studies --full\n  hemline study terms --out studies"
+)]
 pub struct Study {
     #[command(subcommand)]
     which: Which,
@@ -24,6 +31,7 @@ pub struct Study {
 enum Which {
     Accuracy(accuracy::Accuracy),
     Stability(stability::Stability),
+    Terms(terms::Terms),
 }
 
 /// Runs the study that is named.
@@ -34,6 +42,7 @@ pub fn run(args: &Study) -> Result<ExitCode, Error> {
     match &args.which {
         Which::Accuracy(args) => accuracy::run(args),
         Which::Stability(args) => stability::run(args),
+        Which::Terms(args) => terms::run(args),
     }
 }
 
@@ -49,12 +58,37 @@ struct Common {
     /// Seconds only: every question, few of its settings
     #[arg(long, conflicts_with = "full")]
     quick: bool,
-    /// Seed of everything that is drawn
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    seed: u64,
     /// Print one JSON object (SI units) instead of words
     #[arg(long)]
     json: bool,
+}
+
+/// What a study takes that draws data.
+#[derive(Debug, Args)]
+struct Drawing {
+    /// Seed of everything that is drawn
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+}
+
+/// Every study at its quickest, as chapters of a report, in the order of docs/studies.md.
+///
+/// # Errors
+/// Those of the studies.
+pub(super) fn chapters(bar: &ProgressBar) -> Result<Vec<Section>, Error> {
+    let options = Options { depth: Depth::Quick, seed: 1 };
+    bar.set_message("Studies");
+    bar.inc_length(3);
+    let step = || bar.inc(1);
+    let machine = machine();
+    let accuracy = report::accuracy::section(&crate::study::accuracy::study(&options, &accuracy::traced, &|_, _| ())?, &machine)?;
+    step();
+    let stability = report::stability::section(&crate::study::stability::study(&options, &|| ()))?;
+    step();
+    let quick = terms_study(grid(Depth::Quick), fidelity(Depth::Quick), &|| ());
+    let terms = report::terms::section(&quick)?;
+    step();
+    Ok([accuracy, stability, terms].iter().map(StudySection::chapter).collect())
 }
 
 /// Writes the files where a folder is given, and prints the words or the JSON object.

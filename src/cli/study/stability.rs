@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::accuracy::depth;
-use super::{Common, tell};
+use super::{Common, Drawing, tell};
 use crate::cli::progress;
 use crate::error::Error;
 use crate::report;
@@ -17,6 +17,8 @@ use crate::study::stability::{cell_count, study};
 pub struct Stability {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    drawing: Drawing,
 }
 
 /// Runs the study. Exit code 1 if an answer was wrong without saying.
@@ -24,7 +26,7 @@ pub struct Stability {
 /// # Errors
 /// [`Error::File`] if the folder cannot be written.
 pub fn run(args: &Stability) -> Result<ExitCode, Error> {
-    let options = Options { depth: depth(&args.common), seed: args.common.seed };
+    let options = Options { depth: depth(&args.common), seed: args.drawing.seed };
     let bar = progress(cell_count(), "Hard cases");
     let found = study(&options, &|| bar.inc(1));
     bar.finish_and_clear();

@@ -50,7 +50,12 @@ pub fn draw(cases: &[CaseStudy]) -> Result<String, Error> {
 
 /// Colour of so many digits, and whether white text is read on it.
 fn colour(digits: f64) -> (RGBColor, bool) {
-    let place = (digits / MOST).clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+    shade(digits / MOST)
+}
+
+/// Colour at a place from 0 (light) to 1 (dark) of the scale, and whether white text is read on it.
+pub(super) fn shade(place: f64) -> (RGBColor, bool) {
+    let place = place.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
     let i = (place as usize).min(SCALE.len() - 2);
     let rest = place - i as f64;
     let mix = |a: u8, b: u8| (f64::from(a) + rest * (f64::from(b) - f64::from(a))).round() as u8;

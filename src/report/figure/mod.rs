@@ -30,6 +30,7 @@ pub mod sheet;
 pub mod space;
 pub mod surface;
 pub mod symbols;
+pub mod term_map;
 pub mod uneven;
 pub mod work_precision;
 
