@@ -25,8 +25,7 @@ static ACCURACY: LazyLock<AccuracyStudy> =
     LazyLock::new(|| accuracy::study(&QUICK, &traced, &|_, _| ()).expect("every reference is reached"));
 static STABILITY: LazyLock<StabilityStudy> = LazyLock::new(|| stability::study(&QUICK, &|| ()));
 
-static TERMS: LazyLock<TermsStudy> =
-    LazyLock::new(|| terms::study(terms::grid(Depth::Quick), terms::fidelity(Depth::Quick), &|| ()));
+static TERMS: LazyLock<TermsStudy> = LazyLock::new(|| terms::study(terms::grid(Depth::Quick), terms::fidelity(Depth::Quick), &|| ()));
 
 /// Rows of a fixture; docs/studies.md says how it is made.
 fn fixture(name: &str) -> Vec<String> {
@@ -164,7 +163,9 @@ fn the_screen_leaves_out_no_term_that_moves_the_hem_by_more_than_the_tolerance()
     let missed: Vec<String> = TERMS
         .rows()
         .filter(|(scene, row)| !row.screened.on && row.movement.is_some_and(|moved| scene.tolerance < moved))
-        .map(|(scene, row)| format!("{}: {} moves {:?} m, estimated {:?}", scene.name, row.term.name(), row.movement, row.screened.movement))
+        .map(|(scene, row)| {
+            format!("{}: {} moves {:?} m, estimated {:?}", scene.name, row.term.name(), row.movement, row.screened.movement)
+        })
         .collect();
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
