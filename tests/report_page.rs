@@ -8,9 +8,11 @@ use std::time::{Duration, Instant};
 
 use hemline::experiment::campaign::Language;
 use hemline::import;
+use hemline::model::field::Field;
 use hemline::report::language::{Translator, names};
 use hemline::report::{Date, Options, Provenance, page};
 use hemline::study::campaign::{CampaignStudy, Measured, analyse};
+use hemline::study::{draped, surface};
 use serde_json::Value;
 
 /// Text that would act if any of it were parsed as markup or script.
@@ -234,7 +236,7 @@ fn a_reader_gets_about_the_shipped_campaign_by_mouse_and_by_keyboard() {
 
     // The skirt is painted, turns, and has its fields.
     assert!(1000 < seen["faces"].as_u64().unwrap() && 0.02 < seen["painted"].as_f64().unwrap() && seen["turned"] == true, "{seen}");
-    assert_eq!(seen["field_options"], serde_json::json!([2, 3]));
+    assert_eq!(seen["field_options"], serde_json::json!([2, 4]));
 
     assert_eq!(seen["responses"], SHIPPED.regressions.len());
     // Eight terms: seven bars beside the mean.
@@ -269,4 +271,33 @@ fn one_run_alone_has_a_page() {
     assert_eq!(seen["faults"], Value::Array(vec![]));
     assert_eq!((seen["runs"].as_array().unwrap().len(), &seen["plan"], &seen["responses"]), (1, &1.into(), &0.into()));
     assert!(1000 < seen["faces"].as_u64().unwrap());
+}
+
+#[test]
+fn stress_of_the_page_is_that_of_exported_surfaces() {
+    let greatest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let mut compared = 0;
+    for run in &SHIPPED.runs {
+        let (Ok(fit), Some(skirt)) = (&run.fit, &run.run.skirt) else { continue };
+        let sheet = surface::assumed_sheet(&run.run.fabric, SHIPPED.campaign.gravity);
+        for drawn in draped::draped(run, SHIPPED.campaign.gravity, &draped::Options::default()) {
+            let faces = drawn.round - 1;
+            // An exported surface has as many columns in either half of a fold.
+            if faces % 2 != 0 {
+                continue;
+            }
+            let options = surface::Options { rows: drawn.down, columns: faces * drawn.copies as usize };
+            let exported = match drawn.hem_of {
+                draped::HemOf::Fit => surface::of_fit(skirt, fit, surface::Form::Linear, &sheet, &options),
+                draped::HemOf::Theory => surface::of_prediction(skirt, run.prediction_at_fitted_folds.as_ref().unwrap(), &sheet, &options),
+            };
+            let exported = exported.unwrap();
+            let shown = drawn.fields.iter().find(|f| f.quantity == draped::Quantity::StressIntensity).unwrap();
+            let (shown, exported) = (greatest(&shown.values), greatest(exported.values(Field::StressIntensity).unwrap()));
+            // The page takes derivatives of the theory's hem by differences of fourth order, and its columns may miss a crest by half a 240th of a fold.
+            assert!((shown / exported - 1.0).abs() < 1e-2, "run {}, {:?}: {shown} {exported}", run.run.id, drawn.hem_of);
+            compared += 1;
+        }
+    }
+    assert!(40 < compared, "{compared}");
 }
