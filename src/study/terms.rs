@@ -126,8 +126,8 @@ pub fn fidelity(depth: Depth) -> Option<Fidelity> {
     (depth == Depth::Quick).then_some(Fidelity::Ruled { harmonics: 3 })
 }
 
-/// Hips of 94 cm below a waist of 76 cm.
-const BODY: Body = Body { shape: BodyShape::Ellipsoid, waist_radius: None, hip_radius: Metre(0.1496), hip_depth: Some(Metre(0.2)) };
+/// Hips of 91 cm below a waist of 76 cm.
+const BODY: Body = Body { shape: BodyShape::Ellipsoid, waist_radius: None, hip_radius: Metre(0.145), hip_depth: Some(Metre(0.2)) };
 
 /// Woven cloth on the bias at the softest: S of 0.5 N/m, firm threads, 0.3 mm.
 fn plain(skirt: Skirt, fabric: Fabric) -> Scene {
