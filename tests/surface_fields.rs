@@ -25,11 +25,14 @@ fn quarter() -> Pattern {
     Pattern::of(&Cone::of(&table_one()), &options).unwrap()
 }
 
+/// Layer, and the vertices: x, y, bulge.
+type Polyline = (String, Vec<(f64, f64, f64)>);
+
 /// The closed polylines of a drawing, by layer: vertices (x, y, bulge), mm. Reads group codes and values as the format defines them, knows nothing of us.
-fn polylines(text: &str) -> Vec<(String, Vec<(f64, f64, f64)>)> {
+fn polylines(text: &str) -> Vec<Polyline> {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     assert_eq!(lines.len() % 2, 0, "codes and values come in pairs");
-    let mut out: Vec<(String, Vec<(f64, f64, f64)>)> = Vec::new();
+    let mut out: Vec<Polyline> = Vec::new();
     let mut entity = "";
     let mut vertex: Option<(f64, f64, f64)> = None;
     for pair in lines.chunks(2) {

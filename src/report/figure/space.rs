@@ -66,7 +66,7 @@ impl View {
     /// Paints the four-cornered faces of a surface over what is there, the farthest first; the side that the corners run round counter-clockwise
     /// is its outer one, the other is painted darker. Each has a thin rim: the mesh.
     pub fn faces(&self, area: &Area<'_>, faces: &[[Space; 4]]) -> Drawn {
-        for i in self.from_afar(faces) {
+        for i in self.by_depth(faces) {
             let corners: Vec<(i32, i32)> = faces[i].iter().map(|&p| self.step(p)).collect();
             let light = self.lightness(&faces[i]);
             area.draw(&Polygon::new(corners.clone(), grey(light).filled()))?;
@@ -78,7 +78,7 @@ impl View {
 
     /// The same without rims, each face in its own colour, a little darker where it is turned from the light.
     pub fn coloured(&self, area: &Area<'_>, faces: &[[Space; 4]], colors: &[RGBColor]) -> Drawn {
-        for i in self.from_afar(faces) {
+        for i in self.by_depth(faces) {
             let corners: Vec<(f64, f64)> = faces[i].iter().map(|&p| self.place(p)).collect();
             let middle = corners.iter().fold((0.0, 0.0), |sum, c| (sum.0 + 0.25 * c.0, sum.1 + 0.25 * c.1));
             // Neighbours overlap by a hair: no paper shines through the seam.
@@ -96,7 +96,7 @@ impl View {
     }
 
     /// The numbers of the faces, the farthest first.
-    fn from_afar(&self, faces: &[[Space; 4]]) -> Vec<usize> {
+    fn by_depth(&self, faces: &[[Space; 4]]) -> Vec<usize> {
         let nearness: Vec<f64> = faces.iter().map(|face| face.iter().map(|&p| self.nearness(p)).sum()).collect();
         let mut order: Vec<usize> = (0..faces.len()).collect();
         order.sort_by(|&a, &b| nearness[a].total_cmp(&nearness[b]).then(a.cmp(&b)));
