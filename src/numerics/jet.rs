@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn composition_is_what_carrying_the_inner_jets_through_would_give() {
         let (x, y) = (Jet::variable(0.7, 0), Jet::variable(1.3, 1));
-        let inner = [x * y + 0.4, x.square() - y];
+        let inner = [x * y + 0.4, x.square() + y];
         let outer = sample(Jet::variable(inner[0].value, 0), Jet::variable(inner[1].value, 1));
         let (composed, carried) = (Jet::compose(&outer, &inner), sample(inner[0], inner[1]));
         for i in 0..2 {

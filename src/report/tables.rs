@@ -59,8 +59,9 @@ pub enum Kind {
 }
 
 /// Columns of text that may be empty throughout.
-const TEXTS: [&str; 31] = [
+const TEXTS: [&str; 32] = [
     "run",
+    "through",
     "termination",
     "broken_rule",
     "notes",
