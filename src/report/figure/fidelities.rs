@@ -2,7 +2,8 @@
 
 use plotters::prelude::*;
 
-use super::sheet::{self, Area, BLUE, Chart, Drawn, FULL_WIDTH, GREY, INK, LABEL, SMALL, VERMILLION, line, padded, solid, steps};
+use super::run_axes;
+use super::sheet::{self, Area, BLUE, Chart, Drawn, FULL_WIDTH, INK, LABEL, VERMILLION, line, padded, solid, steps};
 use crate::error::Error;
 use crate::report::number;
 
@@ -50,28 +51,9 @@ fn paint(area: &Area<'_>, names: &[String], cells: &[usize], panel: &Panel<'_>, 
     let plot = sheet::part(area, 0.0, top + 5.5, FULL_WIDTH - 1.0, PANEL - 7.5);
     let end = names.len() as f64 + 1.0;
     let y = padded(panel.series.iter().flatten().copied().flatten().chain([panel.reference]), 0.08);
-    let mut axes =
-        ChartBuilder::on(&plot).set_label_area_size(LabelAreaPosition::Left, steps(LEFT)).build_cartesian_2d(0.0..end, y.0..y.1)?;
-    axes.configure_mesh()
-        .disable_x_mesh()
-        .disable_x_axis()
-        .y_labels(5)
-        .max_light_lines(0)
-        .bold_line_style(line(sheet::PALE, 0.1))
-        .axis_style(line(GREY, 0.15))
-        .set_all_tick_mark_size(steps(1.0))
-        .label_style(sheet::font(SMALL).color(&INK))
-        .axis_desc_style(sheet::font(LABEL).color(&INK))
-        .y_desc(panel.unit)
-        .y_label_formatter(&|v| number::fixed(*v, usize::from(y.1 - y.0 < 4.0)))
-        .draw()?;
+    let mut axes = run_axes::axes(&plot, (LEFT, 0.0), end, y, panel.unit, &|v| number::fixed(v, usize::from(y.1 - y.0 < 4.0)))?;
     solid(&mut axes, &[(0.0, panel.reference), (end, panel.reference)], line(INK, 0.25))?;
-    for (i, pair) in cells.windows(2).enumerate() {
-        if pair[0] != pair[1] {
-            let x = i as f64 + 1.5;
-            solid(&mut axes, &[(x, y.0), (x, y.1)], line(sheet::PALE, 0.2))?;
-        }
-    }
+    run_axes::between_cells(&mut axes, cells.iter().copied(), y)?;
     // Marks of one run stand side by side.
     let fidelities = panel.series.len() as f64;
     for (fidelity, values) in panel.series.iter().enumerate() {

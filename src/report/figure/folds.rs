@@ -2,7 +2,8 @@
 
 use plotters::prelude::*;
 
-use super::sheet::{self, Area, BLUE, Drawn, FULL_WIDTH, GREY, INK, LABEL, SMALL, line, padded, solid, steps};
+use super::run_axes;
+use super::sheet::{self, Area, BLUE, Drawn, FULL_WIDTH, INK, LABEL, line, padded, solid, steps};
 use crate::error::Error;
 use crate::report::number;
 
@@ -59,27 +60,8 @@ fn paint(area: &Area<'_>, hems: &[Hem], row: usize, title: &str, unit: &str, pic
     let all = hems.iter().flat_map(|hem| pick(hem).0.iter().copied().chain(pick(hem).1));
     let (low, high) = padded(all, 0.08);
     let low = if row == 0 { low.min(0.0) } else { low };
-    let mut axes =
-        ChartBuilder::on(&plot).set_label_area_size(LabelAreaPosition::Left, steps(LEFT)).build_cartesian_2d(0.0..end, low..high)?;
-    axes.configure_mesh()
-        .disable_x_mesh()
-        .disable_x_axis()
-        .y_labels(5)
-        .max_light_lines(0)
-        .bold_line_style(line(sheet::PALE, 0.1))
-        .axis_style(line(GREY, 0.15))
-        .set_all_tick_mark_size(steps(1.0))
-        .label_style(sheet::font(SMALL).color(&INK))
-        .axis_desc_style(sheet::font(LABEL).color(&INK))
-        .y_desc(unit)
-        .y_label_formatter(&|v| number::fixed(*v, usize::from(high - low < 4.0)))
-        .draw()?;
-    for (i, pair) in hems.windows(2).enumerate() {
-        if pair[0].cell != pair[1].cell {
-            let x = i as f64 + 1.5;
-            solid(&mut axes, &[(x, low), (x, high)], line(sheet::PALE, 0.2))?;
-        }
-    }
+    let mut axes = run_axes::axes(&plot, (LEFT, 0.0), end, (low, high), unit, &|v| number::fixed(v, usize::from(high - low < 4.0)))?;
+    run_axes::between_cells(&mut axes, hems.iter().map(|hem| hem.cell), (low, high))?;
     for (i, hem) in hems.iter().enumerate() {
         let x = i as f64 + 1.0;
         let (values, reference) = pick(hem);

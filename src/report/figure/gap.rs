@@ -3,7 +3,8 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::sheet::{self, BLUE, Drawn, FULL_WIDTH, GREY, INK, SMALL, VERMILLION, dashed, line, padded, solid, steps};
+use super::run_axes;
+use super::sheet::{self, BLUE, Drawn, FULL_WIDTH, INK, SMALL, VERMILLION, dashed, line, padded, solid, steps};
 use crate::error::Error;
 use crate::report::number;
 
@@ -60,31 +61,10 @@ fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &
     // The last tenth is left to the median's label.
     let end = 1.1 * gaps.len() as f64 + 1.0;
     let y = padded(values.iter().chain(floor.unwrap_or_default()).copied().chain([0.0]), 0.08);
-    let mut axes = ChartBuilder::on(&plot)
-        .set_label_area_size(LabelAreaPosition::Left, steps(left))
-        .set_label_area_size(LabelAreaPosition::Bottom, steps(below))
-        .build_cartesian_2d(0.0..end, y.0..y.1)?;
-    axes.configure_mesh()
-        .disable_x_mesh()
-        .disable_x_axis()
-        .y_labels(5)
-        .max_light_lines(0)
-        .bold_line_style(line(sheet::PALE, 0.1))
-        .axis_style(line(GREY, 0.15))
-        .set_all_tick_mark_size(steps(1.0))
-        .label_style(sheet::font(SMALL).color(&INK))
-        .axis_desc_style(sheet::font(sheet::LABEL).color(&INK))
-        .y_desc("mm")
-        .y_label_formatter(&|v| number::fixed(*v, usize::from(y.1 - y.0 < 4.0)))
-        .draw()?;
+    let mut axes = run_axes::axes(&plot, (left, below), end, y, "mm", &|v| number::fixed(v, usize::from(y.1 - y.0 < 4.0)))?;
     solid(&mut axes, &[(0.0, 0.0), (end, 0.0)], line(INK, 0.25))?;
     dashed(&mut axes, &[(0.0, median), (end, median)], line(VERMILLION, 0.3), 1.4, 0.9)?;
-    for (i, pair) in gaps.windows(2).enumerate() {
-        if pair[0].cell != pair[1].cell {
-            let x = i as f64 + 1.5;
-            solid(&mut axes, &[(x, y.0), (x, y.1)], line(sheet::PALE, 0.2))?;
-        }
-    }
+    run_axes::between_cells(&mut axes, gaps.iter().map(|gap| gap.cell), y)?;
     for (i, value) in values.iter().enumerate() {
         let x = (i + 1) as f64;
         solid(&mut axes, &[(x, 0.0), (x, *value)], line(BLUE, 0.35))?;

@@ -2,6 +2,7 @@
 
 use plotters::prelude::*;
 
+use super::run_axes;
 use super::sheet::{self, Area, BLUE, Chart, Drawn, FULL_WIDTH, GREY, INK, LABEL, SMALL, VERMILLION, dashed, line, padded, solid, steps};
 use crate::error::Error;
 use crate::report::number;
@@ -145,30 +146,12 @@ fn panel(
     let end = runs.len() as f64 + 1.0;
     let y = padded(values.iter().flatten().map(|v| v.1).chain(limits.iter().copied()).chain([0.0]), 0.08);
     let mut axes =
-        ChartBuilder::on(&plot).set_label_area_size(LabelAreaPosition::Left, steps(LEFT)).build_cartesian_2d(0.0..end, y.0..y.1)?;
-    axes.configure_mesh()
-        .disable_x_mesh()
-        .disable_x_axis()
-        .y_labels(5)
-        .max_light_lines(0)
-        .bold_line_style(line(sheet::PALE, 0.1))
-        .axis_style(line(GREY, 0.15))
-        .set_all_tick_mark_size(steps(1.0))
-        .label_style(sheet::font(SMALL).color(&INK))
-        .axis_desc_style(sheet::font(LABEL).color(&INK))
-        .y_desc(unit)
-        .y_label_formatter(&|v| number::plain(if v.abs() < 1e-9 * (y.1 - y.0) { 0.0 } else { *v }))
-        .draw()?;
+        run_axes::axes(&plot, (LEFT, 0.0), end, y, unit, &|v| number::plain(if v.abs() < 1e-9 * (y.1 - y.0) { 0.0 } else { v }))?;
     solid(&mut axes, &[(0.0, 0.0), (end, 0.0)], line(INK, 0.2))?;
     for &limit in limits {
         dashed(&mut axes, &[(0.0, limit), (end, limit)], line(GREY, 0.2), 1.2, 0.8)?;
     }
-    for (i, pair) in runs.windows(2).enumerate() {
-        if pair[0].cell != pair[1].cell {
-            let x = i as f64 + 1.5;
-            solid(&mut axes, &[(x, y.0), (x, y.1)], line(sheet::PALE, 0.2))?;
-        }
-    }
+    run_axes::between_cells(&mut axes, runs.iter().map(|run| run.cell), y)?;
     for (i, value) in values.iter().enumerate() {
         let Some((way, value)) = value else { continue };
         let x = i as f64 + 1.0;

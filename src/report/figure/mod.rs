@@ -25,6 +25,7 @@ pub mod pattern;
 pub mod polar;
 pub mod replicates;
 pub mod residuals;
+pub mod run_axes;
 pub mod rigidity;
 pub mod sheet;
 pub mod space;
