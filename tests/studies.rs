@@ -10,6 +10,7 @@ use hemline::report::{accuracy as accuracy_report, stability as stability_report
 use hemline::simulate::scene::HemNumbers;
 use hemline::study::accuracy::picture::Picture;
 use hemline::study::accuracy::{self, AccuracyStudy, Depth, Options};
+use hemline::study::clock::Clock;
 use hemline::study::hard_cases::{Outcome, SEVERITIES};
 use hemline::study::stability::{self, StabilityStudy};
 use hemline::study::terms::{self, TermsStudy};
@@ -21,11 +22,11 @@ fn traced(picture: &Picture) -> Result<Vec<Point>, hemline::Error> {
     Ok(found.profile.points().to_vec())
 }
 
-static ACCURACY: LazyLock<AccuracyStudy> =
-    LazyLock::new(|| accuracy::study(&QUICK, &traced, &|_, _| ()).expect("every reference is reached"));
+static ACCURACY: LazyLock<AccuracyStudy> = LazyLock::new(|| accuracy::study(&QUICK, &traced, &|_| ()).expect("every reference is reached"));
 static STABILITY: LazyLock<StabilityStudy> = LazyLock::new(|| stability::study(&QUICK, &|| ()));
 
-static TERMS: LazyLock<TermsStudy> = LazyLock::new(|| terms::study(terms::grid(Depth::Quick), terms::fidelity(Depth::Quick), &|| ()));
+static TERMS: LazyLock<TermsStudy> =
+    LazyLock::new(|| terms::study(terms::grid(Depth::Quick), terms::fidelity(Depth::Quick), &Clock::of(Depth::Quick), &|| ()));
 
 /// Rows of a fixture; docs/studies.md says how it is made.
 fn fixture(name: &str) -> Vec<String> {
@@ -181,7 +182,7 @@ fn sections_are_written_whole_with_figures_that_hold_numbers_only() {
     let sections: [StudySection; 3] = [
         accuracy_report::section(&ACCURACY, &machine).expect("drawn"),
         stability_report::section(&STABILITY).expect("drawn"),
-        terms_report::section(&TERMS).expect("drawn"),
+        terms_report::section(&TERMS, &machine).expect("drawn"),
     ];
     let folder = tempfile::tempdir().expect("a folder");
     for section in &sections {

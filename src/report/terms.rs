@@ -5,35 +5,38 @@ use serde_json::{Value, json};
 use super::csv::Table;
 use super::figure::term_map;
 use super::number;
-use super::study_section::{SectionFigure, SectionTable, StudySection};
+use super::study_section::{Machine, SectionFigure, SectionTable, StudySection};
 use crate::error::Error;
 use crate::experiment::scene::Term;
 use crate::simulate::scene::{HemNumbers, Switched};
 use crate::study::terms::{SceneTerms, TermsStudy};
 use crate::units::{MILLIMETRE, MILLINEWTON};
 
+/// Of a second.
+const MILLISECOND: f64 = 1e-3;
+
 /// The study as a section of a report.
 ///
 /// # Errors
 /// [`Error::Output`] if the figure cannot be drawn.
-pub fn section(study: &TermsStudy) -> Result<StudySection, Error> {
+pub fn section(study: &TermsStudy, machine: &Machine) -> Result<StudySection, Error> {
     let table = |stem: &str, caption: &str, table: Table, short: Vec<Vec<String>>| SectionTable {
         stem: stem.into(),
         caption: caption.into(),
         table,
         short,
     };
-    // One scene is told term by term; of many there is the map.
+    // One scene is told term by term; of many there is the map, and what each term is worth over all.
     let (of_one, of_many) = match study.scenes.as_slice() {
         [(_, Ok(scene))] => (short(scene), vec![]),
-        _ => (vec![], short_map(study)),
+        _ => (short_of_all(study), short_map(study)),
     };
     Ok(StudySection {
         stem: "study_terms".into(),
         title: "What each effect is worth".into(),
-        sentences: sentences(study),
+        sentences: sentences(study, machine),
         tables: vec![
-            table("terms", "Every term switched off and on, the others as the screen chose", every_row(study), of_one),
+            table("terms", "Every term switched off and on, the others as the screen chose", every_row(study, machine), of_one),
             table("terms_map", "Movement of the hem by each term, mm; a dot marks what the screen put in", map(study), of_many),
         ],
         figures: vec![SectionFigure {
@@ -58,7 +61,7 @@ pub fn millimetres(value: f64) -> String {
 }
 
 /// `terms.csv`: every scene and term.
-pub fn every_row(study: &TermsStudy) -> Table {
+pub fn every_row(study: &TermsStudy, machine: &Machine) -> Table {
     let mut table = Table::new(&[
         "scene",
         "term",
@@ -69,20 +72,29 @@ pub fn every_row(study: &TermsStudy) -> Table {
         "movement_mm",
         "folds_with",
         "folds_without",
+        "folds_change",
         "lambda_with_n",
         "lambda_without_n",
+        "lambda_change_n",
         "evaluations_with",
         "evaluations_without",
+        "evaluations_saved",
+        "seconds_with",
+        "seconds_without",
+        "seconds_saved",
         "screen_evaluations",
         "why",
+        "machine",
+        "threads",
     ]);
+    let width = table.columns.len();
     for (name, answer) in &study.scenes {
         let scene = match answer {
             Ok(scene) => scene,
             Err(why) => {
                 let mut cells = vec![name.clone().into()];
-                cells.resize_with(14, || None::<f64>.into());
-                cells.push(why.to_string().into());
+                cells.resize_with(width - 3, || None::<f64>.into());
+                cells.extend([why.to_string().into(), machine.name.clone().into(), machine.threads.into()]);
                 table.push(cells);
                 continue;
             }
@@ -99,12 +111,20 @@ pub fn every_row(study: &TermsStudy) -> Table {
                 row.movement.map(|m| m / MILLIMETRE).into(),
                 with.map(|hem| hem.folds).into(),
                 without.map(|hem| hem.folds).into(),
+                change(row, |hem| Some(f64::from(hem.folds))).into(),
                 with.and_then(|hem| hem.multiplier).into(),
                 without.and_then(|hem| hem.multiplier).into(),
+                change(row, |hem| hem.multiplier).into(),
                 with.map(|hem| hem.evaluations).into(),
                 without.map(|hem| hem.evaluations).into(),
+                change(row, |hem| Some(hem.evaluations as f64)).into(),
+                with.map(|hem| hem.seconds).into(),
+                without.map(|hem| hem.seconds).into(),
+                change(row, |hem| Some(hem.seconds)).into(),
                 scene.screen_evaluations.into(),
                 row.missing.as_ref().unwrap_or(&row.screened.why).clone().into(),
+                machine.name.clone().into(),
+                machine.threads.into(),
             ]);
         }
     }
@@ -122,6 +142,11 @@ pub fn map(study: &TermsStudy) -> Table {
         table.push(cells);
     }
     table
+}
+
+/// With the term less without it, where both are known: of work, what is saved where it is left out.
+fn change(row: &Switched, of: impl Fn(&HemNumbers) -> Option<f64>) -> Option<f64> {
+    Some(of(row.with.as_ref()?)? - of(row.without.as_ref()?)?)
 }
 
 fn row(scene: &SceneTerms, term: Term) -> Option<&Switched> {
@@ -149,31 +174,84 @@ fn title(term: Term) -> String {
     format!("{}{rest}", first.to_uppercase())
 }
 
+fn moved(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".into(), |m| millimetres(m / MILLIMETRE))
+}
+
+fn state(row: &Switched) -> &'static str {
+    if row.screened.on { "in" } else { "out" }
+}
+
+/// Of λ, mN.
+fn multiplier(hem: &HemNumbers) -> Option<f64> {
+    hem.multiplier.map(|value| value / MILLINEWTON)
+}
+
+fn evaluations(hem: &HemNumbers) -> Option<f64> {
+    Some(hem.evaluations as f64)
+}
+
+fn milliseconds(hem: &HemNumbers) -> Option<f64> {
+    Some(hem.seconds / MILLISECOND)
+}
+
+/// One scene, a row a term.
 fn short(scene: &SceneTerms) -> Vec<Vec<String>> {
     let header =
-        ["Term", "Is", "Moves, mm", "Estimate, mm", "Folds with", "without", "λ with, mN", "without", "Evaluations with", "without"];
+        ["Term", "Screen", "Estimate, mm", "Moves, mm", "Folds with", "without", "λ with, mN", "without", "Evaluations saved", "ms saved"];
     let mut rows = vec![header.map(String::from).to_vec()];
     for row in &scene.rows {
-        let moved = |value: Option<f64>| value.map_or_else(|| "–".into(), |m| millimetres(m / MILLIMETRE));
-        let said =
-            |hem: &Option<HemNumbers>, say: fn(&HemNumbers) -> Option<String>| hem.as_ref().and_then(say).unwrap_or_else(|| "–".into());
-        let folds = |hem: &HemNumbers| Some(hem.folds.to_string());
-        let lambda = |hem: &HemNumbers| hem.multiplier.map(|value| number::significant(value / MILLINEWTON, 3));
-        let evaluations = |hem: &HemNumbers| Some(hem.evaluations.to_string());
+        let (with, without) = (row.with.as_ref(), row.without.as_ref());
+        let dash = |text: Option<String>| text.unwrap_or_else(|| "–".into());
+        let folds = |hem: Option<&HemNumbers>| dash(hem.map(|hem| hem.folds.to_string()));
+        let lambda = |hem: Option<&HemNumbers>| dash(hem.and_then(multiplier).map(|value| number::significant(value, 3)));
         rows.push(vec![
             title(row.term),
-            if row.screened.on { "in" } else { "out" }.into(),
-            moved(row.movement),
+            state(row).into(),
             moved(row.screened.movement),
-            said(&row.with, folds),
-            said(&row.without, folds),
-            said(&row.with, lambda),
-            said(&row.without, lambda),
-            said(&row.with, evaluations),
-            said(&row.without, evaluations),
+            moved(row.movement),
+            folds(with),
+            folds(without),
+            lambda(with),
+            lambda(without),
+            dash(change(row, evaluations).map(|saved| number::fixed(saved, 0))),
+            dash(change(row, milliseconds).map(|saved| number::significant(saved, 2))),
         ]);
     }
     rows
+}
+
+/// All scenes together, a row a term.
+fn short_of_all(study: &TermsStudy) -> Vec<Vec<String>> {
+    let header = ["Term", "Put in", "Moves, mm", "Folds change by", "λ changes by, mN", "Evaluations saved", "ms saved"];
+    let mut table = vec![header.map(String::from).to_vec()];
+    for term in Term::ALL {
+        let rows: Vec<&Switched> = study.rows().map(|(_, row)| row).filter(|row| row.term == term).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let range = |of: &dyn Fn(&Switched) -> Option<f64>, say: &dyn Fn(f64) -> String| {
+            let mut values: Vec<f64> = rows.iter().filter_map(|row| of(row)).collect();
+            values.sort_by(f64::total_cmp);
+            match values.as_slice() {
+                [] => "–".to_string(),
+                [first, .., last] if say(*first) != say(*last) => format!("{} … {}", say(*first), say(*last)),
+                [first, ..] => say(*first),
+            }
+        };
+        let whole = |value: f64| number::fixed(value, 0);
+        let two = |value: f64| number::significant(value, 2);
+        table.push(vec![
+            title(term),
+            format!("{} of {}", rows.iter().filter(|row| row.screened.on).count(), rows.len()),
+            range(&|row| row.movement.map(|m| m / MILLIMETRE), &millimetres),
+            range(&|row| change(row, |hem| Some(f64::from(hem.folds))), &whole),
+            range(&|row| change(row, multiplier), &two),
+            range(&|row| change(row, evaluations), &whole),
+            range(&|row| change(row, milliseconds), &two),
+        ]);
+    }
+    table
 }
 
 /// Whether the screen judged a term as switching it shows, of those that it judges and that have a hem on either side.
@@ -182,7 +260,7 @@ fn judged(scene: &SceneTerms, row: &Switched) -> Option<bool> {
     row.movement.filter(|_| free).map(|moved| row.screened.on == (scene.tolerance < moved))
 }
 
-fn sentences(study: &TermsStudy) -> Vec<String> {
+fn sentences(study: &TermsStudy, machine: &Machine) -> Vec<String> {
     let answered = study.scenes.iter().filter(|(_, answer)| answer.is_ok()).count();
     let of = if study.scenes.len() == 1 { "scene" } else { "scenes" };
     let mut said =
@@ -207,10 +285,13 @@ fn sentences(study: &TermsStudy) -> Vec<String> {
     let verdicts: Vec<_> = study.rows().filter_map(|(scene, row)| Some((scene, row, judged(scene, row)?))).collect();
     let right = verdicts.iter().filter(|(_, _, right)| *right).count();
     said.push(format!("Of {} terms that the screen was free to choose it judged {right} as switching them shows.", verdicts.len()));
+    said.push(format!(
+        "Seconds are those of one core, on {} with {} threads; what leaving a term out saves is negative where it costs.",
+        machine.name, machine.threads
+    ));
     for (scene, row, _) in verdicts.iter().filter(|(_, _, right)| !right) {
         let moved = millimetres(row.movement.unwrap_or(0.0) / MILLIMETRE);
-        let state = if row.screened.on { "in" } else { "out" };
-        said.push(format!("Judged otherwise: {} in “{}” is {state} and moves the hem by {moved} mm.", title(row.term), scene.name));
+        said.push(format!("Judged otherwise: {} in “{}” is {} and moves the hem by {moved} mm.", title(row.term), scene.name, state(row)));
     }
     let refused = study.scenes.iter().filter_map(|(name, answer)| Some((name, answer.as_ref().err()?)));
     said.extend(refused.map(|(name, why)| format!("No answer: “{name}”: {why}.")));

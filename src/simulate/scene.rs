@@ -173,28 +173,39 @@ pub struct HemNumbers {
     /// λ, N; `None` under terms that have no closed form for it.
     pub multiplier: Option<f64>,
     pub evaluations: usize,
+    /// By the watch that was handed over.
+    pub seconds: f64,
 }
 
 impl HemNumbers {
-    fn of(prediction: &Prediction) -> Self {
-        HemNumbers { folds: prediction.folds, multiplier: prediction.multiplier.map(|m| m.value), evaluations: prediction.evaluations }
+    fn of(prediction: &Prediction, seconds: f64) -> Self {
+        let multiplier = prediction.multiplier.map(|m| m.value);
+        HemNumbers { folds: prediction.folds, multiplier, evaluations: prediction.evaluations, seconds }
     }
 }
 
-/// Switches every term that the scene has data for about the set that the screen chooses, which comes first.
+/// Computes a hem, and says how many seconds that took: there is no clock in this layer.
+pub type Watch<'a> = dyn Fn(&dyn Fn() -> Result<Prediction, Error>) -> (Result<Prediction, Error>, f64) + 'a;
+
+/// Switches every term that the scene has data for about the set that the screen chooses, which comes first; `watch` computes each hem.
 ///
 /// # Errors
 /// As [`screen_scene`].
-pub fn switch_terms(scene: &Scene, fidelity: Option<Fidelity>) -> Result<(Prediction, Vec<Switched>), Error> {
+pub fn switch_terms(scene: &Scene, fidelity: Option<Fidelity>, watch: &Watch<'_>) -> Result<(Prediction, Vec<Switched>), Error> {
     let (set, screening) = screen_scene(scene, fidelity)?;
-    let hang = |set: TermSet| predict_scene(&Scene { choice: Choice::Exactly(set), tolerance: None, ..scene.clone() }, fidelity);
-    let mut base = hang(set)?;
+    let hang = |set: TermSet| {
+        let scene = Scene { choice: Choice::Exactly(set), tolerance: None, ..scene.clone() };
+        watch(&|| predict_scene(&scene, fidelity))
+    };
+    let (base, seconds) = hang(set);
+    let mut base = base?;
     let rows = screening.rows.iter().filter(|row| row.number.is_some());
     let switched = rows
         .map(|row| {
-            let other = hang(if row.on { set.without(row.term) } else { set.with(row.term) });
-            let changed = other.as_ref().ok().map(HemNumbers::of);
-            let (with, without) = if row.on { (Some(HemNumbers::of(&base)), changed) } else { (changed, Some(HemNumbers::of(&base))) };
+            let (other, took) = hang(if row.on { set.without(row.term) } else { set.with(row.term) });
+            let changed = other.as_ref().ok().map(|other| HemNumbers::of(other, took));
+            let chosen = Some(HemNumbers::of(&base, seconds));
+            let (with, without) = if row.on { (chosen, changed) } else { (changed, chosen) };
             Switched {
                 term: row.term,
                 screened: row.clone(),

@@ -11,7 +11,7 @@ use crate::statistics::anova::{AnovaRow, LackOfFit};
 use crate::statistics::distribution;
 use crate::statistics::factorial::{CURVATURE, Cell, FactorialDesign};
 use crate::statistics::lenth::{Lenth, lenth};
-use crate::statistics::linear_model::{Alias, Decomposition, LinearModel, is_rounding};
+use crate::statistics::linear_model::{Alias, Decomposition, LinearModel, NearAlias, is_rounding};
 use crate::statistics::variances::{brown_forsythe, centred_squares, cochran};
 
 /// One coefficient of the full factorial model in coded units.
@@ -177,6 +177,7 @@ pub fn analyse(design: &FactorialDesign, response: &[Option<f64>], options: &Opt
     let decomposition = used.regressors_of(&terms, curvature)?.decompose();
     let full = decomposition.fit(&y)?;
     describe_aliases(&full.aliases, &mut notes);
+    describe_near_aliases(&full.near_aliases, &mut notes);
     describe_orthogonality(&decomposition, &mut notes);
 
     let pure_error = pure_error(&used, &cells, &y)?;
@@ -255,6 +256,16 @@ fn describe_aliases(aliases: &[Alias], notes: &mut Vec<String>) {
         let equals: Vec<String> = alias.equals.iter().map(|(term, factor)| format!("{factor:+.4}·({term})")).collect();
         let equals = if equals.is_empty() { "0".to_string() } else { equals.join(" ") };
         notes.push(format!("Term {} has no coefficient of its own: in these runs it equals {equals}.", alias.term));
+    }
+}
+
+fn describe_near_aliases(near: &[NearAlias], notes: &mut Vec<String>) {
+    for alias in near {
+        notes.push(format!(
+            "Term {} is nearly a combination of the others in these runs: its coefficient keeps about {:.0} digits of the numbers given.",
+            alias.term,
+            alias.digits().floor()
+        ));
     }
 }
 

@@ -32,7 +32,8 @@ pub fn student_critical(alpha: f64, df: f64) -> f64 {
     upper_quantile(|t| student_two_sided(t, df), alpha)
 }
 
-/// P(F ≥ f) on (`numerator`, `denominator`) degrees of freedom; its relative rounding grows with them, to about 10⁻¹⁷ times the denominator's.
+/// P(F ≥ f) on (`numerator`, `denominator`) degrees of freedom. Relative error below 10⁻¹² however many they are, as long as the fewer are not above
+/// 10⁷; beyond that the rounding of `f` itself is felt (10⁻¹¹ at 10⁹ of both).
 pub fn fisher_upper(f: f64, numerator: f64, denominator: f64) -> f64 {
     if f <= 0.0 {
         return 1.0;

@@ -16,6 +16,9 @@ use crate::statistics::distribution;
 /// Below this part of 1, `1 − leverage` is rounding: the run is fitted exactly whatever its response.
 const FULL_LEVERAGE: f64 = 1e-10;
 
+/// A coefficient is said to be [`NearAlias`] if rounding of the numbers given may move it by more than this part: twelve digits are promised otherwise.
+const KEPT: f64 = 1e-12;
+
 /// Named columns, one entry per run.
 #[derive(Debug, Clone)]
 pub struct Regressors {
@@ -127,6 +130,24 @@ pub struct Alias {
     pub equals: Vec<(String, f64)>,
 }
 
+/// A regressor that is nearly a combination of the others: what tells them apart is in the last digits of the numbers given.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NearAlias {
+    pub term: String,
+    /// How many times errors of the numbers, relative to their column, are enlarged in the coefficient: Stewart's collinearity index.
+    pub enlarged: f64,
+}
+
+impl NearAlias {
+    /// Digits of the coefficient that numbers given as doubles determine.
+    pub fn digits(&self) -> f64 {
+        (-(ROUNDING * self.enlarged).log10()).max(0.0)
+    }
+}
+
+/// Of a number that was rounded to a double, half an ulp each in the regressors and in the response, with room for their addition: part of the number.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+
 /// One coefficient with its error; the error is `None` where there is nothing to estimate it from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
@@ -185,6 +206,20 @@ impl Decomposition {
                     .collect(),
             })
             .collect()
+    }
+
+    /// The regressors with a coefficient that rounding of the numbers given may move by more than 10⁻¹² of what the regressor explains.
+    ///
+    /// Their index is `‖xⱼ‖ ‖xⱼ⁺‖ = ‖xⱼ‖ √((XᵀWX)⁻¹)ⱼⱼ`: 1 for an orthogonal column, the root of the variance inflation factor without centring.
+    ///
+    /// Source: Stewart, Collinearity and least squares regression, Statist. Sci. 2 (1987) 68–84.
+    pub fn near_aliases(&self) -> Vec<NearAlias> {
+        let index = |(i, &j): (usize, &usize)| {
+            let column = self.weigh(&self.regressors.columns[j]);
+            let enlarged = (dot(&column, &column) * self.inverse_gram[i][i]).sqrt().to_f64();
+            (KEPT < ROUNDING * enlarged).then(|| NearAlias { term: self.regressors.names[j].clone(), enlarged })
+        };
+        self.qr.independent().iter().enumerate().filter_map(index).collect()
     }
 
     /// `(XᵀWX)⁻¹` on the terms that have a coefficient; times s² it is their covariance.
@@ -266,11 +301,15 @@ impl Decomposition {
                 Estimate { term: term.to_string(), estimate: coefficient.to_f64(), standard_error, t, p }
             })
             .collect();
-        let leverage: Vec<f64> =
-            (0..rows).map(|row| self.qr.basis().iter().map(|column| column[row] * column[row]).sum::<DoubleDouble>().to_f64()).collect();
+        let hat: Vec<DoubleDouble> =
+            (0..rows).map(|row| self.qr.basis().iter().map(|column| column[row] * column[row]).sum::<DoubleDouble>()).collect();
+        let squares = dot(&scaled_residuals, &scaled_residuals);
+        let without: Vec<DoubleDouble> =
+            scaled_residuals.iter().zip(&hat).map(|(&e, &h)| squares - e * e / (DoubleDouble::ONE - h)).collect();
         Ok(LinearModel {
             estimates,
             aliases: self.aliases(),
+            near_aliases: self.near_aliases(),
             residual_df,
             residual_sum_of_squares,
             total_sum_of_squares,
@@ -278,8 +317,9 @@ impl Decomposition {
             perfect,
             fitted: fitted.iter().map(|value| value.to_f64()).collect(),
             residuals: residuals.iter().map(|value| value.to_f64()).collect(),
-            leverage,
+            leverage: hat.iter().map(|h| h.to_f64()).collect(),
             weights: self.weights.clone(),
+            without: without.iter().map(|left| left.to_f64()).collect(),
         })
     }
 
@@ -300,7 +340,12 @@ impl Decomposition {
 /// A response that was computed or read carries an error of about half an ulp; four leave room for a few operations.
 pub fn is_rounding(residual_sum_of_squares: f64, response: &[f64]) -> bool {
     let largest = response.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-    residual_sum_of_squares <= response.len() as f64 * (4.0 * f64::EPSILON * largest).powi(2)
+    residual_sum_of_squares <= rounding(response.len(), largest)
+}
+
+/// Sum of squares of that rounding.
+fn rounding(count: usize, largest: f64) -> f64 {
+    count as f64 * (4.0 * f64::EPSILON * largest).powi(2)
 }
 
 /// One response on its regressors.
@@ -310,6 +355,9 @@ pub struct LinearModel {
     pub estimates: Vec<Estimate>,
     /// Those left out, each with what it equals.
     pub aliases: Vec<Alias>,
+    /// Those with a coefficient that keeps less than twelve digits of the numbers given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub near_aliases: Vec<NearAlias>,
     pub residual_df: usize,
     pub residual_sum_of_squares: f64,
     /// About the (weighted) mean if the model has a constant, about 0 otherwise.
@@ -324,6 +372,9 @@ pub struct LinearModel {
     pub leverage: Vec<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     weights: Option<Vec<f64>>,
+    /// Residual sum of squares of the fit without each run; meaningless at leverage 1.
+    #[serde(skip)]
+    without: Vec<f64>,
 }
 
 impl LinearModel {
@@ -404,16 +455,27 @@ impl LinearModel {
             .collect()
     }
 
-    /// Residual from the fit without its own run, over its standard deviation: Student t on `residual_df − 1`.
+    /// Residual from the fit without its own run, over its standard deviation: Student t on `residual_df − 1`. `None` as in
+    /// [`LinearModel::standardized_residuals`], and where the fit without the run is perfect.
+    ///
+    /// A run that is off by so much that the others drown in it, even in twice the working precision, gets what it has at least.
     pub fn deleted_residuals(&self) -> Vec<Option<f64>> {
+        // Of a difference of double-double numbers, with room for the sums.
+        const RESOLVED: f64 = 1e-29;
         let df = self.residual_df as f64;
-        self.standardized_residuals()
-            .into_iter()
-            .map(|r| {
-                let r = r?;
-                let left = df - r * r;
-                // r² = df: without this run the fit is perfect.
-                (self.residual_df > 1 && left > 1e-12 * df).then(|| r * ((df - 1.0) / left).sqrt())
+        let standardized = self.standardized_residuals();
+        let size = |run: usize| (self.fitted[run] + self.residuals[run]).abs();
+        let largest = (0..self.runs()).max_by(|i, j| size(*i).total_cmp(&size(*j))).unwrap_or(0);
+        let second = (0..self.runs()).filter(|run| *run != largest).map(size).fold(0.0, f64::max);
+        (0..self.runs())
+            .map(|run| {
+                standardized[run]?;
+                let left = self.without[run].max(RESOLVED * self.residual_sum_of_squares);
+                let perfect = left / self.weight(run) <= rounding(self.runs() - 1, if run == largest { second } else { size(largest) });
+                if self.residual_df <= 1 || perfect {
+                    return None;
+                }
+                Some(self.residuals[run] * self.weight(run).sqrt() / (left / (df - 1.0) * (1.0 - self.leverage[run])).sqrt())
             })
             .collect()
     }

@@ -5,6 +5,7 @@ mod as_measured;
 pub mod baseline;
 pub mod campaign;
 pub mod check;
+pub mod clock;
 pub mod comparison;
 pub mod further;
 pub mod desirable;

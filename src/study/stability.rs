@@ -49,28 +49,28 @@ impl StabilityStudy {
     }
 }
 
-/// How many cells a study has.
-pub fn cell_count() -> usize {
-    catalogue().len() * SEVERITIES
+/// How many times a case is drawn: only outlines are.
+fn draws(case: &Case, depth: Depth) -> u64 {
+    match (case.subject, depth) {
+        (Subject::Fit, Depth::Full) => 30,
+        (Subject::Fit, Depth::Usual) => 5,
+        _ => 1,
+    }
 }
 
-/// Runs the catalogue on all cores; `done` is called once for each cell. The result depends on depth and seed alone.
+/// How many computations a study has.
+pub fn computation_count(depth: Depth) -> usize {
+    catalogue().iter().map(|case| draws(case, depth) as usize * SEVERITIES).sum()
+}
+
+/// Runs the catalogue on all cores; `done` is called once for each computation. The result depends on depth and seed alone.
 pub fn study(options: &Options, done: &(dyn Fn() + Sync)) -> StabilityStudy {
-    let draws = match options.depth {
-        Depth::Quick => 1,
-        Depth::Usual => 5,
-        Depth::Full => 30,
-    };
     let cases = catalogue();
     let cells: Vec<Cell> = (0..cases.len() * SEVERITIES)
         .into_par_iter()
         .map(|i| {
             let (case, severity) = (&cases[i / SEVERITIES], cases[i / SEVERITIES].severities[i % SEVERITIES]);
-            // Only outlines are drawn.
-            let draws = if case.subject == Subject::Fit { draws } else { 1 };
-            let cell = cell(case, severity, draws, options.seed);
-            done();
-            cell
+            cell(case, severity, options, done)
         })
         .collect();
     let cases = cases.iter().zip(cells.chunks(SEVERITIES)).map(|(case, cells)| CaseStudy {
@@ -83,8 +83,13 @@ pub fn study(options: &Options, done: &(dyn Fn() + Sync)) -> StabilityStudy {
     StabilityStudy { options: Settings { depth: options.depth, seed: options.seed }, cases: cases.collect() }
 }
 
-fn cell(case: &Case, severity: f64, draws: u64, seed: u64) -> Cell {
-    let answers: Vec<Answer> = (0..draws).map(|k| (case.run)(severity, seed.wrapping_mul(1000).wrapping_add(k))).collect();
+fn cell(case: &Case, severity: f64, options: &Options, done: &(dyn Fn() + Sync)) -> Cell {
+    let one = |k: u64| {
+        let answer = (case.run)(severity, options.seed.wrapping_mul(1000).wrapping_add(k));
+        done();
+        answer
+    };
+    let answers: Vec<Answer> = (0..draws(case, options.depth)).map(one).collect();
     let worst = answers.iter().fold(&answers[0], |worst, answer| if worst.outcome < answer.outcome { answer } else { worst });
     let least = |pick: fn(&Answer) -> Option<f64>| answers.iter().filter_map(pick).reduce(f64::min);
     let most = |pick: fn(&Answer) -> Option<f64>| answers.iter().filter_map(pick).reduce(f64::max);
@@ -96,6 +101,6 @@ fn cell(case: &Case, severity: f64, draws: u64, seed: u64) -> Cell {
         promised: most(|a| a.promised),
         condition: most(|a| a.condition),
         evaluations: answers.iter().map(|a| a.evaluations).sum(),
-        draws: draws as usize,
+        draws: answers.len(),
     }
 }

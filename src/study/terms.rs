@@ -1,14 +1,17 @@
 //! What an effect is worth: every energy term switched off and on, for a scene, for the cells of a campaign, and over a grid of scenes.
 
+use std::cell::Cell;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::accuracy::Depth;
+use super::clock::Clock;
 use crate::error::Error;
-use crate::experiment::scene::{Body, BodyShape, Choice, ClothDetail, Scene, TermSet, Theory, WaistEdge};
+use crate::experiment::scene::{Body, BodyShape, Choice, ClothDetail, Scene, Term, TermSet, Theory, WaistEdge};
 use crate::experiment::{Apparatus, Campaign, Fabric, Skirt};
-use crate::simulate::Fidelity;
 use crate::simulate::scene::{Switched, switch_terms};
+use crate::simulate::{Fidelity, Prediction};
 use crate::units::{KilogramPerSquareMetre, MILLIMETRE, Metre, NewtonMetre, STANDARD_GRAVITY};
 
 /// One scene, its terms switched.
@@ -26,6 +29,9 @@ pub struct SceneTerms {
     /// In the order of [`Term::ALL`]; terms without data have no row.
     pub rows: Vec<Switched>,
 }
+
+/// Steps that each scene is told in: the hem of the chosen terms with the screening before it, and one for each term.
+pub const PARTS: usize = 1 + Term::ALL.len();
 
 /// A scene with the name that tables and figures give it.
 pub type Named = (String, Scene);
@@ -45,22 +51,35 @@ impl TermsStudy {
     }
 }
 
-/// Switches every term of every scene on all cores; `done` is called once for each scene. The result depends on the scenes alone.
-pub fn study(scenes: Vec<Named>, fidelity: Option<Fidelity>, done: &(dyn Fn() + Sync)) -> TermsStudy {
+/// Switches every term of every scene; `done` is called [`PARTS`] times for each scene. All but the seconds depends on the scenes alone.
+///
+/// Scenes are spread over all cores and each is hung on one of them: its seconds are those of one core while the others hang other scenes.
+pub fn study(scenes: Vec<Named>, fidelity: Option<Fidelity>, clock: &Clock, done: &(dyn Fn() + Sync)) -> TermsStudy {
     let one = |(name, scene): Named| {
-        let answer = of_scene(&name, &scene, fidelity);
-        done();
+        let told = Cell::new(0);
+        let step = || {
+            told.set(told.get() + 1);
+            done();
+        };
+        let answer = of_scene(&name, &scene, fidelity, clock, &step);
+        // Of terms without data no hem was found.
+        (told.get()..PARTS).for_each(|_| done());
         (name, answer)
     };
     TermsStudy { scenes: scenes.into_par_iter().map(one).collect() }
 }
 
-/// Switches every term of one scene.
+/// Switches every term of one scene; `done` is called once for each hem found.
 ///
 /// # Errors
 /// As [`switch_terms`]: no theory applies, or a body does not fit.
-pub fn of_scene(name: &str, scene: &Scene, fidelity: Option<Fidelity>) -> Result<SceneTerms, Error> {
-    let (base, rows) = switch_terms(scene, fidelity)?;
+pub fn of_scene(name: &str, scene: &Scene, fidelity: Option<Fidelity>, clock: &Clock, done: &dyn Fn()) -> Result<SceneTerms, Error> {
+    let watch = |hang: &dyn Fn() -> Result<Prediction, Error>| {
+        let hung = clock.time(hang);
+        done();
+        hung
+    };
+    let (base, rows) = switch_terms(scene, fidelity, &watch)?;
     let screening = base.screening.as_ref();
     Ok(SceneTerms {
         name: name.into(),
@@ -158,7 +177,6 @@ fn plain(skirt: Skirt, fabric: Fabric) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::scene::Term;
 
     #[test]
     fn a_deeper_grid_has_the_scenes_of_a_shallower_one() {
@@ -172,7 +190,7 @@ mod tests {
         let fabric = Fabric { areal_density: Some(KilogramPerSquareMetre(0.2)), flexural_rigidity: Some(NewtonMetre(1e-5)) };
         let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
         let scene = Scene { folds: Some(5), ..plain(skirt, fabric) };
-        let study = of_scene("table 1", &scene, Some(Fidelity::Ruled { harmonics: 2 })).unwrap();
+        let study = of_scene("table 1", &scene, Some(Fidelity::Ruled { harmonics: 2 }), &Clock::of(Depth::Quick), &|| ()).unwrap();
         let terms: Vec<Term> = study.rows.iter().map(|row| row.term).collect();
         assert_eq!(terms, [Term::Gravity, Term::Bending, Term::Shear, Term::Stretch, Term::SelfContact]);
         // Without weight the cone is round: the hem moves by about the depth of its folds, as the screen says.

@@ -3,16 +3,16 @@
 use std::process::ExitCode;
 
 use clap::Args;
+use indicatif::ProgressBar;
 
-use super::{Common, Drawing, machine, next_part, tell};
-use crate::cli::progress;
+use super::{Common, Drawing, bar, machine, tell};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::experiment::campaign::{PictureScale, Pictures};
 use crate::import::image;
 use crate::report;
 use crate::study::accuracy::picture::Picture;
-use crate::study::accuracy::{Depth, Options, study};
+use crate::study::accuracy::{Depth, Options, Progress, study};
 
 /// Work and precision of everything that has a knob: fit, bootstrap, theory, tracing; what was asked against what was delivered.
 #[derive(Debug, Args)]
@@ -29,14 +29,31 @@ pub struct Accuracy {
 /// Those of [`study`], and [`Error::File`] if the folder cannot be written.
 pub fn run(args: &Accuracy) -> Result<ExitCode, Error> {
     let options = Options { depth: depth(&args.common), seed: args.drawing.seed };
-    let bar = progress(0, "Accuracy");
-    let found = study(&options, &traced, &|name, count| next_part(&bar, name, count))?;
+    let bar = bar(0, "Accuracy");
+    let found = study(&options, &traced, &|told| show(&bar, told))?;
     bar.finish_and_clear();
     let machine = machine();
     let section = report::accuracy::section(&found, &machine)?;
     tell(&section, &report::accuracy::json(&found, &machine), &args.common)?;
     let broken = found.panels.iter().flat_map(|panel| &panel.rows).any(|row| row.delivered() == Some(false));
     Ok(if broken { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+/// The bar goes by panels; what they compute is counted behind their name.
+fn show(bar: &ProgressBar, told: Progress) {
+    match told {
+        Progress::Panel(name, count) => {
+            let first = bar.length() != Some(count as u64);
+            bar.set_length(count as u64);
+            bar.inc(u64::from(!first));
+            bar.set_prefix("0");
+            bar.set_message(name);
+        }
+        Progress::Computed => {
+            let computed: u64 = bar.prefix().parse().unwrap_or(0);
+            bar.set_prefix((computed + 1).to_string());
+        }
+    }
 }
 
 pub(super) fn depth(common: &Common) -> Depth {

@@ -6,15 +6,17 @@ mod terms;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
 use crate::report;
 use crate::report::section::Section;
 use crate::report::study_section::{Machine, StudySection, markdown, write};
 use crate::study::accuracy::{Depth, Options};
+use crate::study::clock::Clock;
 use crate::study::terms::{fidelity, grid, study as terms_study};
 
 /// Study the program itself: what accuracy costs in time, how far it can be trusted on hard cases, and what each effect is worth.
@@ -81,12 +83,12 @@ pub(super) fn chapters(bar: &ProgressBar) -> Result<Vec<Section>, Error> {
     bar.inc_length(3);
     let step = || bar.inc(1);
     let machine = machine();
-    let accuracy = report::accuracy::section(&crate::study::accuracy::study(&options, &accuracy::traced, &|_, _| ())?, &machine)?;
+    let accuracy = report::accuracy::section(&crate::study::accuracy::study(&options, &accuracy::traced, &|_| ())?, &machine)?;
     step();
     let stability = report::stability::section(&crate::study::stability::study(&options, &|| ()))?;
     step();
-    let quick = terms_study(grid(Depth::Quick), fidelity(Depth::Quick), &|| ());
-    let terms = report::terms::section(&quick)?;
+    let quick = terms_study(grid(Depth::Quick), fidelity(Depth::Quick), &Clock::of(Depth::Quick), &|| ());
+    let terms = report::terms::section(&quick, &machine)?;
     step();
     Ok([accuracy, stability, terms].iter().map(StudySection::chapter).collect())
 }
@@ -119,12 +121,11 @@ fn machine() -> Machine {
     Machine { name, threads: rayon::current_num_threads() }
 }
 
-/// Begins with the first part, and counts parts.
-fn next_part(bar: &ProgressBar, name: &str, count: usize) {
-    if bar.length() != Some(count as u64) {
-        bar.set_length(count as u64);
-    } else {
-        bar.inc(1);
-    }
-    bar.set_message(name.to_string());
+/// A bar for `steps` steps that shows the time gone, so that it moves while a long step lasts; drawn on a terminal only.
+fn bar(steps: usize, message: &'static str) -> ProgressBar {
+    let bar = super::progress(steps, message);
+    let style = ProgressStyle::with_template("{msg} {prefix} {wide_bar} {pos}/{len} {elapsed}").expect("a template that indicatif knows");
+    bar.set_style(style.progress_chars("━╸ "));
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
 }

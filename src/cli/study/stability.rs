@@ -5,12 +5,11 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::accuracy::depth;
-use super::{Common, Drawing, tell};
-use crate::cli::progress;
+use super::{Common, Drawing, bar, tell};
 use crate::error::Error;
 use crate::report;
 use crate::study::accuracy::Options;
-use crate::study::stability::{cell_count, study};
+use crate::study::stability::{computation_count, study};
 
 /// Hard cases of fit, theory and statistics at growing severity: outcome, digits kept, condition, evaluations.
 #[derive(Debug, Args)]
@@ -27,7 +26,7 @@ pub struct Stability {
 /// [`Error::File`] if the folder cannot be written.
 pub fn run(args: &Stability) -> Result<ExitCode, Error> {
     let options = Options { depth: depth(&args.common), seed: args.drawing.seed };
-    let bar = progress(cell_count(), "Hard cases");
+    let bar = bar(computation_count(options.depth), "Hard cases");
     let found = study(&options, &|| bar.inc(1));
     bar.finish_and_clear();
     tell(&report::stability::section(&found)?, &report::stability::json(&found), &args.common)?;

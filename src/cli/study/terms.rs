@@ -6,12 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::accuracy::depth;
-use super::{Common, tell};
-use crate::cli::progress;
+use super::{Common, bar, machine, tell};
 use crate::error::Error;
 use crate::import::{self, scene_file};
 use crate::report;
-use crate::study::terms::{fidelity, grid, scenes_of, study};
+use crate::study::clock::Clock;
+use crate::study::terms::{PARTS, fidelity, grid, scenes_of, study};
 
 /// What each effect is worth: every energy term switched off and on, how far the hem moves, what changes, and what the automatic choice thought.
 ///
@@ -43,10 +43,10 @@ pub fn run(args: &Terms) -> Result<ExitCode, Error> {
         (None, Some(folder)) => scenes_of(&import::load(folder)?.campaign),
         (None, None) => grid(depth),
     };
-    let bar = progress(scenes.len(), "Scenes");
-    let found = study(scenes, fidelity(depth), &|| bar.inc(1));
+    let bar = bar(PARTS * scenes.len(), "Hems");
+    let found = study(scenes, fidelity(depth), &Clock::of(depth), &|| bar.inc(1));
     bar.finish_and_clear();
-    tell(&report::terms::section(&found)?, &report::terms::json(&found), &args.common)?;
+    tell(&report::terms::section(&found, &machine())?, &report::terms::json(&found), &args.common)?;
     let usable = found.scenes.iter().all(|(_, answer)| answer.is_ok());
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

@@ -21,7 +21,7 @@ fn ends(found: &Intervals) -> Option<Vec<f64>> {
 }
 
 /// Ends by 16 … 3200 replicates; the errors of a few seeds together.
-pub(super) fn replicates(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn replicates(setup: &Setup<'_>) -> Result<Panel, Error> {
     let n = 90;
     let profile = DrapeProfile::new(&ordinary(setup.options.seed, n))?;
     let fitted = fit(&profile, &Options { folds: Folds::Exactly(HEM.folds), ..Options::default() })?;
@@ -40,7 +40,7 @@ pub(super) fn replicates(setup: &Setup) -> Result<Panel, Error> {
             .ok_or_else(|| Error::Unanswerable("the reference of the bootstrap sweep has no intervals".into()))?;
         for &replicates in &counts {
             let seeds = setup.pick(2, 6, 20);
-            let (found, seconds) = setup.clock.time(|| ask(replicates, setup.options.seed.wrapping_add(100)));
+            let (found, seconds) = setup.time(|| ask(replicates, setup.options.seed.wrapping_add(100)));
             let failed = found.replicates.as_ref().map_or(0, |r| r.failed);
             let all: Vec<Intervals> =
                 std::iter::once(found).chain((1..seeds).map(|k| ask(replicates, setup.options.seed.wrapping_add(100 + k)))).collect();

@@ -78,7 +78,7 @@ impl Ended {
 }
 
 /// The certified path, the careful one, and the solver alone from the match in order, at tolerances from 1e-2 to 1e-12.
-pub(super) fn tolerance(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn tolerance(setup: &Setup<'_>) -> Result<Panel, Error> {
     let points = noisy(&HEM, POINTS, NOISE, setup.options.seed);
     let profile = DrapeProfile::new(&points)?;
     let given = Options { folds: Folds::Exactly(HEM.folds), bias_correction: false, ..Options::default() };
@@ -112,16 +112,16 @@ pub(super) fn tolerance(setup: &Setup) -> Result<Panel, Error> {
         let mut push = |row: Row, default: bool| rows.push(Row { asked: Some(asked), default, ..row });
         for (method, options) in [("fit, least squares", &given), ("fit, careful path", &careful)] {
             let options = with(options);
-            let (fitted, seconds) = setup.clock.time(|| fit::fit(&profile, &options));
+            let (fitted, seconds) = setup.time(|| fit::fit(&profile, &options));
             let default = method == "fit, least squares" && tolerance == default;
             push(Ended::of(fitted, POINTS, from_exact).row(method, "tolerance", tolerance, seconds), default);
         }
         let options = with(&corrected);
-        let (fitted, seconds) = setup.clock.time(|| fit::fit(&profile, &options));
+        let (fitted, seconds) = setup.time(|| fit::fit(&profile, &options));
         let from_unbiased = |hem: &Hem, at: &Placement| apart::curves((&unbiased.hem, &unbiased.placement), (hem, at));
         push(Ended::of(fitted, POINTS, from_unbiased).row("fit, bias taken out", "tolerance", tolerance, seconds), false);
         let options = with(&given).solver;
-        let (fitted, seconds) = setup.clock.time(|| {
+        let (fitted, seconds) = setup.time(|| {
             let feet = match_feet.clone();
             orthogonal::fit(profile.points(), match_.hem, match_.placement, feet, None, outline.length, &options)
         });
@@ -153,7 +153,7 @@ fn decades(from: i32, to: i32) -> Vec<f64> {
 const WIDE: f64 = 2.0 * MILLIMETRE;
 
 /// Start only, orthogonal and bias-corrected fits of 36 to 10⁵ points; the errors of a few draws together.
-pub(super) fn points(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn points(setup: &Setup<'_>) -> Result<Panel, Error> {
     let counts: Vec<usize> = setup.pick(
         vec![24, 36, 360, 3600],
         vec![24, 36, 72, 180, 360, 1000, 3600, 10_000, 36_000, 100_000],
@@ -167,7 +167,7 @@ pub(super) fn points(setup: &Setup) -> Result<Panel, Error> {
             .collect::<Result<_, _>>()?;
         let from_truth = |hem: &Hem, at: &Placement| apart::curves((&HEM, &AT), (hem, at));
         let per_draw = 1.0 / draws as f64;
-        let (found, seconds) = setup.clock.time(|| {
+        let (found, seconds) = setup.time(|| {
             let found = profiles.iter().map(|profile| start::matched(&smooth(profile), HEM.folds));
             found.map(|start| (start.hem, start.placement)).collect::<Vec<_>>()
         });
@@ -186,7 +186,7 @@ pub(super) fn points(setup: &Setup) -> Result<Panel, Error> {
         });
         for (method, bias_correction) in [("orthogonal", false), ("bias taken out", true)] {
             let options = Options { folds: Folds::Exactly(HEM.folds), bias_correction, ..Options::default() };
-            let (fits, seconds) = setup.clock.time(|| profiles.iter().map(|p| fit::fit(p, &options)).collect::<Vec<_>>());
+            let (fits, seconds) = setup.time(|| profiles.iter().map(|p| fit::fit(p, &options)).collect::<Vec<_>>());
             let ended: Vec<Ended> = fits.into_iter().map(|fit| Ended::of(fit, n, from_truth)).collect();
             rows.push(Row {
                 default: bias_correction && n == POINTS,
@@ -217,7 +217,7 @@ fn together(all: Vec<Ended>) -> Ended {
 }
 
 /// Tuning constants of the losses at a tenth of gross errors, in multiples of the usual ones.
-pub(super) fn losses(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn losses(setup: &Setup<'_>) -> Result<Panel, Error> {
     const FAR: f64 = 50.0 * MILLIMETRE;
     const SHARE: f64 = 0.1;
     let draws = setup.pick(1, 8, 60);
@@ -235,7 +235,7 @@ pub(super) fn losses(setup: &Setup) -> Result<Panel, Error> {
     let mut rows = Vec::new();
     for (loss, factor) in asked {
         let options = Options { folds: Folds::Exactly(HEM.folds), loss, ..Options::default() };
-        let (fits, seconds) = setup.clock.time(|| profiles.iter().map(|p| fit::fit(p, &options)).collect::<Vec<_>>());
+        let (fits, seconds) = setup.time(|| profiles.iter().map(|p| fit::fit(p, &options)).collect::<Vec<_>>());
         let from_truth = |hem: &Hem, at: &Placement| apart::curves((&HEM, &AT), (hem, at));
         let ended: Vec<Ended> = fits.into_iter().map(|fit| Ended::of(fit, POINTS, from_truth)).collect();
         let row = together(ended).row(loss_name(loss), "tuning, times the usual", factor, seconds / draws as f64);

@@ -4,19 +4,16 @@
 
 pub mod apart;
 mod bootstrap;
-pub mod clock;
 mod fit;
 pub mod front;
 pub mod picture;
 mod theory;
 
-use std::time::Duration;
-
 use serde::Serialize;
 
 use self::apart::Apart;
-use self::clock::Clock;
 use self::picture::Trace;
+use super::clock::Clock;
 use crate::error::Error;
 
 /// How deep to look.
@@ -125,15 +122,32 @@ pub struct Settings {
 }
 
 /// A panel to be computed.
-type Task<'a> = Box<dyn Fn(&Setup) -> Result<Panel, Error> + 'a>;
+type Task<'a> = Box<dyn Fn(&Setup<'_>) -> Result<Panel, Error> + 'a>;
 
 /// What every panel is told.
-struct Setup {
+struct Setup<'a> {
     options: Options,
     clock: Clock,
+    told: &'a dyn Fn(Progress),
 }
 
-impl Setup {
+/// How far the study is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// The next panel has begun, of so many in all.
+    Panel(&'static str, usize),
+    /// One more computation of it has been timed.
+    Computed,
+}
+
+impl Setup<'_> {
+    /// What `compute` returns, and its seconds.
+    fn time<T>(&self, compute: impl Fn() -> T) -> (T, f64) {
+        let timed = self.clock.time(compute);
+        (self.told)(Progress::Computed);
+        timed
+    }
+
     /// One of three by the depth.
     fn pick<T>(&self, quick: T, usual: T, full: T) -> T {
         match self.options.depth {
@@ -144,19 +158,14 @@ impl Setup {
     }
 }
 
-/// Computes every panel, one after the other so that none disturbs another's time; `begun` is told the name of each, and how many there are.
+/// Computes every panel, one after the other so that none disturbs another's time; `told` hears how far it is.
 ///
 /// `trace` finds the outline in a picture: pictures are no matter of this layer.
 ///
 /// # Errors
 /// Of the reference solutions; a method that fails is a row.
-pub fn study(options: &Options, trace: &Trace, begun: &dyn Fn(&'static str, usize)) -> Result<AccuracyStudy, Error> {
-    let clock = match options.depth {
-        Depth::Quick => Clock { repeats: 0, patience: Duration::ZERO },
-        Depth::Usual => Clock { repeats: 5, patience: Duration::from_millis(150) },
-        Depth::Full => Clock { repeats: 20, patience: Duration::from_secs(1) },
-    };
-    let setup = Setup { options: *options, clock };
+pub fn study(options: &Options, trace: &Trace, told: &dyn Fn(Progress)) -> Result<AccuracyStudy, Error> {
+    let setup = Setup { options: *options, clock: Clock::of(options.depth), told };
     let tasks: Vec<(&'static str, Task)> = vec![
         ("fit: tolerance", Box::new(fit::tolerance)),
         ("fit: points", Box::new(fit::points)),
@@ -167,12 +176,12 @@ pub fn study(options: &Options, trace: &Trace, begun: &dyn Fn(&'static str, usiz
         ("equation (4)", Box::new(theory::polar)),
         ("graded shell", Box::new(theory::graded)),
         ("search for folds", Box::new(theory::search)),
-        ("tracing", Box::new(move |setup: &Setup| picture::resolution(setup, trace))),
+        ("tracing", Box::new(move |setup: &Setup<'_>| picture::resolution(setup, trace))),
     ];
     let count = tasks.len();
     let mut panels = Vec::with_capacity(count);
     for (name, task) in tasks {
-        begun(name, count);
+        told(Progress::Panel(name, count));
         panels.push(task(&setup)?);
     }
     Ok(AccuracyStudy { options: Settings { depth: options.depth, seed: options.seed }, panels })

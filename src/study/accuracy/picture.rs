@@ -69,7 +69,7 @@ pub fn rendered(side: usize, seed: u64) -> Picture {
 }
 
 /// Pictures of 60 to 3200 pixels a side.
-pub(super) fn resolution(setup: &Setup, trace: &Trace) -> Result<Panel, Error> {
+pub(super) fn resolution(setup: &Setup<'_>, trace: &Trace) -> Result<Panel, Error> {
     let sides: Vec<usize> = setup.pick(
         vec![20, 100, 400],
         vec![20, 40, 60, 100, 150, 200, 300, 400, 600, 800, 1200, 1600, 2400],
@@ -78,7 +78,7 @@ pub(super) fn resolution(setup: &Setup, trace: &Trace) -> Result<Panel, Error> {
     let mut rows = Vec::new();
     for side in sides {
         let picture = rendered(side, setup.options.seed.wrapping_add(4000));
-        let (outline, seconds) = setup.clock.time(|| trace(&picture));
+        let (outline, seconds) = setup.time(|| trace(&picture));
         let (error, termination) = match &outline {
             Ok(points) => (apart::outline_from_curve(points, &HEM, &AT), "traced".to_string()),
             Err(refused) => (None, format!("refused: {refused}")),

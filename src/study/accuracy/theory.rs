@@ -57,17 +57,24 @@ fn row(method: &str, knob: &'static str, setting: f64, asked: &Result<Prediction
 }
 
 /// Tolerances of a prediction, m.
-fn tolerances(setup: &Setup, tightest: i32) -> Vec<f64> {
+fn tolerances(setup: &Setup<'_>, tightest: i32) -> Vec<f64> {
     let all: Vec<f64> = (0..=tightest).map(|k| 10.0 * MILLIMETRE * 10f64.powi(-k)).collect();
     setup.pick(all.iter().copied().step_by(3).collect(), all.clone(), all.iter().flat_map(|t| [*t, 0.3 * t]).collect())
 }
 
 /// Rows of a family whose unknowns are chosen by the tolerance.
-fn asked_for(setup: &Setup, method: &str, fidelity: Fidelity, tightest: i32, exact: &Prediction, rows: &mut Vec<Row>) -> Result<(), Error> {
+fn asked_for(
+    setup: &Setup<'_>,
+    method: &str,
+    fidelity: Fidelity,
+    tightest: i32,
+    exact: &Prediction,
+    rows: &mut Vec<Row>,
+) -> Result<(), Error> {
     let (skirt, fabric) = scene(RIGIDITY)?;
     for tolerance in tolerances(setup, tightest) {
         let options = Options { fidelity, folds: FOLDS, tolerance: Some(Metre(tolerance)), ..Options::default() };
-        let (hem, seconds) = setup.clock.time(|| predict(&skirt, &fabric, &options));
+        let (hem, seconds) = setup.time(|| predict(&skirt, &fabric, &options));
         let asked = Asked { error: tolerance, measure: Measure::Max, slack: TOLERANCE_SLACK, rounding: ROUNDING * skirt.hem_radius().0 };
         rows.push(Row { asked: Some(asked), ..row(method, "tolerance, mm", tolerance / MILLIMETRE, &hem, seconds, exact) });
     }
@@ -75,7 +82,7 @@ fn asked_for(setup: &Setup, method: &str, fidelity: Fidelity, tightest: i32, exa
 }
 
 /// Harmonics of the ruled shell, the tolerance asked of it, and the paper's curve in the same energy.
-pub(super) fn ruled(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn ruled(setup: &Setup<'_>) -> Result<Panel, Error> {
     let (skirt, fabric) = scene(RIGIDITY)?;
     let ask = |fidelity: Fidelity, nodes: Option<usize>| {
         let options = Options { fidelity, folds: FOLDS, effort: Effort { nodes, ..Effort::default() }, ..Options::default() };
@@ -84,12 +91,12 @@ pub(super) fn ruled(setup: &Setup) -> Result<Panel, Error> {
     let exact = ask(Fidelity::Ruled { harmonics: 32 }, Some(1024))?;
     let mut rows = Vec::new();
     for harmonics in setup.pick(vec![1, 4, 8, 16], (1..=16).collect(), (1..=24).collect::<Vec<usize>>()) {
-        let (hem, seconds) = setup.clock.time(|| ask(Fidelity::Ruled { harmonics }, None));
+        let (hem, seconds) = setup.time(|| ask(Fidelity::Ruled { harmonics }, None));
         let default = harmonics == ruled_shell::HARMONICS;
         rows.push(Row { default, ..row("ruled", "harmonics", harmonics as f64, &hem, seconds, &exact) });
     }
     asked_for(setup, "ruled, to a tolerance", Fidelity::Ruled { harmonics: 8 }, 14, &exact, &mut rows)?;
-    let (hem, seconds) = setup.clock.time(|| ask(Fidelity::Ansatz, None));
+    let (hem, seconds) = setup.time(|| ask(Fidelity::Ansatz, None));
     rows.push(row("ansatz (p, q, s)", "unknowns", 3.0, &hem, seconds, &exact));
     Ok(Panel {
         name: "ruled",
@@ -101,7 +108,7 @@ pub(super) fn ruled(setup: &Setup) -> Result<Panel, Error> {
 }
 
 /// Nodes of both quadratures of the ruled shell, not verified by doubling.
-pub(super) fn nodes(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn nodes(setup: &Setup<'_>) -> Result<Panel, Error> {
     let (skirt, fabric) = scene(RIGIDITY)?;
     let fidelity = Fidelity::Ruled { harmonics: ruled_shell::HARMONICS };
     let ask = |nodes: Option<usize>| {
@@ -113,10 +120,10 @@ pub(super) fn nodes(setup: &Setup) -> Result<Panel, Error> {
     for nodes in
         setup.pick(vec![8, 32, 64], vec![4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256], (2..=64).map(|n| 2 * n).collect::<Vec<usize>>())
     {
-        let (hem, seconds) = setup.clock.time(|| ask(Some(nodes)));
+        let (hem, seconds) = setup.time(|| ask(Some(nodes)));
         rows.push(row("fixed nodes", "nodes in half a fold", nodes as f64, &hem, seconds, &exact));
     }
-    let (hem, seconds) = setup.clock.time(|| ask(None));
+    let (hem, seconds) = setup.time(|| ask(None));
     rows.push(Row { default: true, ..row("doubled until it holds", "energy holds to", 1e-11, &hem, seconds, &exact) });
     // Work is nodes times energies: the energies alone hardly differ.
     for row in &mut rows {
@@ -133,7 +140,7 @@ pub(super) fn nodes(setup: &Setup) -> Result<Panel, Error> {
 }
 
 /// Nodes of the integrals of the paper's equation (4).
-pub(super) fn polar(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn polar(setup: &Setup<'_>) -> Result<Panel, Error> {
     let (skirt, fabric) = scene(RIGIDITY)?;
     let ask = |nodes: Option<usize>| {
         let options = Options {
@@ -148,11 +155,11 @@ pub(super) fn polar(setup: &Setup) -> Result<Panel, Error> {
     let mut rows = Vec::new();
     let all = vec![8, 12, 16, 24, 32, 48, 64, 100, 150, 200, 400];
     for nodes in setup.pick(vec![8, 64, 200], all, (1..=50).map(|n| 8 * n).collect::<Vec<usize>>()) {
-        let (hem, seconds) = setup.clock.time(|| ask(Some(nodes)));
+        let (hem, seconds) = setup.time(|| ask(Some(nodes)));
         let row = row("fixed nodes", "nodes", nodes as f64, &hem, seconds, &exact);
         rows.push(Row { evaluations: row.evaluations.map(|n| n * nodes), ..row });
     }
-    let (hem, seconds) = setup.clock.time(|| ask(None));
+    let (hem, seconds) = setup.time(|| ask(None));
     rows.push(Row { default: true, evaluations: None, ..row("doubled until it holds", "integrals hold to", 1e-14, &hem, seconds, &exact) });
     Ok(Panel {
         name: "polar", title: "Equation (4): nodes", reference: "the same with 4096 nodes".into(), unit: "integrals × nodes", rows
@@ -160,7 +167,7 @@ pub(super) fn polar(setup: &Setup) -> Result<Panel, Error> {
 }
 
 /// Harmonics and modes of the graded shell, and the tolerance asked of it.
-pub(super) fn graded(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn graded(setup: &Setup<'_>) -> Result<Panel, Error> {
     let (skirt, fabric) = scene(RIGIDITY)?;
     let ask = |harmonics: usize, modes: usize| {
         let fidelity = Fidelity::Graded { harmonics, modes, shear: 0.0 };
@@ -172,7 +179,7 @@ pub(super) fn graded(setup: &Setup) -> Result<Panel, Error> {
     let sizes = setup.pick(vec![(1, 2), (3, 6)], usual, (1..=5).flat_map(|k| (1..=5).map(move |j| (k, 2 * j + 2))).collect());
     let mut rows = Vec::new();
     for (harmonics, modes) in sizes {
-        let (hem, seconds) = setup.clock.time(|| ask(harmonics, modes));
+        let (hem, seconds) = setup.time(|| ask(harmonics, modes));
         let default = (harmonics, modes) == (graded_shell::HARMONICS, graded_shell::MODES);
         let method = format!("graded, K = {harmonics}, J = {modes}");
         rows.push(Row { default, ..row(&method, "unknowns", (harmonics * modes) as f64, &hem, seconds, &exact) });
@@ -192,7 +199,7 @@ pub(super) fn graded(setup: &Setup) -> Result<Panel, Error> {
 const WIDTHS: [(u32, f64); 7] = [(1, 0.0), (1, 1.0), (2, 0.0), (2, 0.25), (2, 1.0), (4, 1.0), (4, 4.0)];
 
 /// Narrow and wide searches over fold counts, over scenes drawn at random; the errors of all scenes together.
-pub(super) fn search(setup: &Setup) -> Result<Panel, Error> {
+pub(super) fn search(setup: &Setup<'_>) -> Result<Panel, Error> {
     let mut random = generator(setup.options.seed.wrapping_add(3000));
     let mut between = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
     let count = setup.pick(4, 24, 200);
@@ -217,7 +224,7 @@ pub(super) fn search(setup: &Setup) -> Result<Panel, Error> {
         };
         let exact = ask(setup.pick((4, 4.0), (6, 20.0), (10, 50.0)))?;
         for width in WIDTHS {
-            let (hems, seconds) = setup.clock.time(|| ask(width));
+            let (hems, seconds) = setup.time(|| ask(width));
             let hems = hems?;
             let errors: Option<Vec<Apart>> =
                 hems.iter().zip(&exact).map(|(hem, exact)| apart::hems(&exact.outline, &hem.outline)).collect();

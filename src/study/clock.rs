@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use super::accuracy::Depth;
+
 /// How often a computation is repeated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
@@ -12,6 +14,15 @@ pub struct Clock {
 }
 
 impl Clock {
+    /// Once where a look is quick; else so often that what disturbs a computation of milliseconds does not disturb all of its repeats.
+    pub fn of(depth: Depth) -> Self {
+        match depth {
+            Depth::Quick => Clock { repeats: 0, patience: Duration::ZERO },
+            Depth::Usual => Clock { repeats: 5, patience: Duration::from_millis(150) },
+            Depth::Full => Clock { repeats: 20, patience: Duration::from_secs(1) },
+        }
+    }
+
     /// What `compute` returns, and its seconds.
     pub fn time<T>(&self, compute: impl Fn() -> T) -> (T, f64) {
         let begun = Instant::now();
