@@ -1,10 +1,12 @@
 //! The studies at their quickest: what was asked is delivered, nothing is wrong without saying, and counts are as they were.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use hemline::experiment::Point;
-use hemline::experiment::campaign::{PictureScale, Pictures};
+use hemline::experiment::campaign::{Language, PictureScale, Pictures};
 use hemline::import::image;
+use hemline::report::language::{Measure, Translator};
 use hemline::report::study_section::{Machine, StudySection, write};
 use hemline::report::{accuracy as accuracy_report, stability as stability_report, terms as terms_report};
 use hemline::simulate::scene::HemNumbers;
@@ -174,6 +176,38 @@ fn the_screen_leaves_out_no_term_that_moves_the_hem_by_more_than_the_tolerance()
 #[test]
 fn terms_counts_are_as_they_were() {
     compare(&terms_counts(), &fixture("terms_counts.txt"));
+}
+
+/// Every letter is half an em wide.
+struct Even;
+
+impl Measure for Even {
+    fn width(&self, text: &str) -> f64 {
+        0.5 * text.chars().count() as f64
+    }
+}
+
+#[test]
+fn no_string_of_the_chapters_is_left_untranslated() {
+    let machine = Machine { name: "hemline".into(), threads: 1 };
+    let translator = Translator::strict(Language::Russian, BTreeSet::new());
+    let sections = [
+        accuracy_report::section(&ACCURACY, &machine).expect("drawn"),
+        stability_report::section(&STABILITY).expect("drawn"),
+        terms_report::section(&TERMS, &machine).expect("drawn"),
+    ];
+    for chapter in sections.iter().map(StudySection::chapter) {
+        let words = std::iter::once(&chapter.title).chain(&chapter.paragraphs);
+        let cells = chapter.tables.iter().flat_map(|t| std::iter::once(&t.caption).chain(&t.columns).chain(t.rows.iter().flatten()));
+        words.chain(cells).chain(chapter.figures.iter().map(|f| &f.caption)).for_each(|text| {
+            translator.say(text);
+        });
+        for figure in &chapter.figures {
+            translator.svg(&figure.svg, &Even);
+        }
+    }
+    let missing = translator.missing();
+    assert!(missing.is_empty(), "{} strings have no Russian words:\n{}", missing.len(), missing.join("\n"));
 }
 
 #[test]

@@ -118,16 +118,25 @@ fn default_row(panel: &Panel) -> Option<&Row> {
     panel.rows.iter().find(|row| row.default)
 }
 
+/// Settings are round numbers: 1 × 10⁻¹⁰ has no digits behind the point.
+fn setting(row: &Row) -> String {
+    let said = number::plain(row.setting);
+    match said.split_once(" × ") {
+        Some((number, power)) => format!("{} × {power}", number.trim_end_matches('0').trim_end_matches('.')),
+        None => said,
+    }
+}
+
 /// Defaults, one line a panel.
 fn short(study: &AccuracyStudy) -> Vec<Vec<String>> {
     let mut rows =
-        vec![["Problem", "Default", "Error, mm", "Seconds", "Seconds × cheapest", "Evaluations × cheapest"].map(String::from).to_vec()];
+        vec![["Computation", "Default", "Error, mm", "Seconds", "Seconds × cheapest", "Evaluations × cheapest"].map(String::from).to_vec()];
     for panel in &study.panels {
         let Some(row) = default_row(panel) else { continue };
         let ratio = |cost: Cost| default_excess(panel, cost).map_or_else(|| "–".into(), |ratio| number::significant(ratio, 2));
         rows.push(vec![
             panel.title.into(),
-            format!("{}, {} {}", row.method, row.knob, number::plain(row.setting)),
+            format!("{}, {} {}", row.method, row.knob, setting(row)),
             row.error.map_or_else(|| "none".into(), |error| number::significant(error.rms / MILLIMETRE, 2)),
             number::significant(row.seconds, 2),
             ratio(Cost::Seconds),
@@ -150,11 +159,11 @@ fn sentences(study: &AccuracyStudy, machine: &Machine) -> Vec<String> {
             machine.name,
             machine.threads
         ),
-        format!(
-            "An accuracy was asked for {} times and claimed {asked} times; it was delivered in {kept} of these. Where it could not be reached ({unmet}), the program said so.",
-            asked + unmet
-        ),
+        format!("An accuracy was asked for {} times and claimed {asked} times; it was delivered in {kept} of these.", asked + unmet),
     ];
+    if 0 < unmet {
+        sentences[1] += &format!(" Where it could not be reached ({unmet}), the program said so.");
+    }
     if 0 < failed {
         sentences.push(format!("{failed} computations gave no result; they are rows of the table, with the reason."));
     }
@@ -173,7 +182,7 @@ fn sentences(study: &AccuracyStudy, machine: &Machine) -> Vec<String> {
                 panel.title,
                 row.method,
                 row.knob,
-                number::plain(row.setting),
+                setting(row),
                 number::significant(row.seconds / MILLISECOND, 2)
             ));
         }

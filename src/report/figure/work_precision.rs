@@ -13,7 +13,7 @@ const COLUMNS: usize = 2;
 const PANEL: f64 = 50.0;
 const TITLE: f64 = 6.0;
 /// Room for the names of methods right of a chart, mm.
-const NAMES: f64 = 27.0;
+const NAMES: f64 = 31.0;
 /// Errors below this are rounding, and are drawn here, mm.
 const FLOOR: f64 = 1e-14;
 
@@ -89,13 +89,11 @@ fn paint(area: &sheet::Area<'_>, panel: &Panel, cost: Cost, width: f64) -> Drawn
         }
     }
     for (i, name) in names.iter().enumerate() {
-        let top = TITLE + 2.0 + 6.4 * i as f64;
+        let top = TITLE + 2.0 + 5.0 * i as f64;
         let spot = sheet::part(area, width - NAMES + 1.0, top, 3.0, 3.0);
         let mut axes = ChartBuilder::on(&spot).build_cartesian_2d(0.0..1.0, 0.0..1.0)?;
         mark(&mut axes, i, (0.5, 0.5))?;
-        for (k, piece) in wrapped(name, 17).iter().take(2).enumerate() {
-            sheet::text_left(area, piece, width - NAMES + 4.5, top + 1.5 + 2.7 * k as f64, SMALL, INK)?;
-        }
+        sheet::text_left(area, name, width - NAMES + 4.5, top + 1.5, sheet::fitted(name, NAMES - 5.0, SMALL), INK)?;
     }
     Ok(())
 }
@@ -117,23 +115,6 @@ fn groups(panel: &Panel) -> Vec<String> {
         }
     }
     names
-}
-
-/// Words in lines of about so many letters.
-fn wrapped(text: &str, letters: usize) -> Vec<String> {
-    let mut lines: Vec<String> = vec![String::new()];
-    for word in text.split(' ') {
-        let last = lines.last_mut().expect("one line at least");
-        if !last.is_empty() && letters < last.chars().count() + 1 + word.chars().count() {
-            lines.push(word.into());
-        } else {
-            if !last.is_empty() {
-                last.push(' ');
-            }
-            last.push_str(word);
-        }
-    }
-    lines
 }
 
 /// Whole decades about values that are logarithms already.

@@ -200,10 +200,11 @@ fn pieces(said: &str, holes: usize) -> Result<Vec<Piece>, String> {
 }
 
 /// The texts of the Russian catalogue, by subject.
-const RUSSIAN_TEXTS: [(&str, &str); 7] = [
+const RUSSIAN_TEXTS: [(&str, &str); 8] = [
     ("russian/words.txt", include_str!("russian/words.txt")),
     ("russian/document.txt", include_str!("russian/document.txt")),
     ("russian/figures.txt", include_str!("russian/figures.txt")),
+    ("russian/studies.txt", include_str!("russian/studies.txt")),
     ("russian/remarks.txt", include_str!("russian/remarks.txt")),
     ("russian/input.txt", include_str!("russian/input.txt")),
     ("russian/page.txt", include_str!("russian/page.txt")),
