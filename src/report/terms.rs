@@ -155,21 +155,26 @@ fn row(scene: &SceneTerms, term: Term) -> Option<&Switched> {
 
 fn short_map(study: &TermsStudy) -> Vec<Vec<String>> {
     let terms: Vec<Term> = Term::ALL.into_iter().filter(|term| study.rows().any(|(_, row)| row.term == *term)).collect();
-    let mut rows = vec![std::iter::once("Scene".to_string()).chain(terms.iter().map(|term| title(*term))).collect::<Vec<_>>()];
-    for (name, answer) in &study.scenes {
+    let mut rows = vec![std::iter::once("Scene".to_string()).chain(terms.iter().map(|term| name(*term))).collect::<Vec<_>>()];
+    for (scene, answer) in &study.scenes {
         let cell = |term: &Term| {
             let Some(row) = answer.as_ref().ok().and_then(|scene| row(scene, *term)) else { return "–".to_string() };
             let moved = row.movement.map_or_else(|| "–".into(), |m| millimetres(m / MILLIMETRE));
             if row.screened.on { format!("{moved} •") } else { moved }
         };
-        rows.push(std::iter::once(name.clone()).chain(terms.iter().map(cell)).collect());
+        rows.push(std::iter::once(scene.clone()).chain(terms.iter().map(cell)).collect());
     }
     rows
 }
 
-/// “Body contact”.
+/// “body contact”.
+fn name(term: Term) -> String {
+    term.name().replace('_', " ")
+}
+
+/// “Body contact”, where a sentence begins.
 fn title(term: Term) -> String {
-    let name = term.name().replace('_', " ");
+    let name = name(term);
     let (first, rest) = name.split_at(1);
     format!("{}{rest}", first.to_uppercase())
 }
@@ -206,7 +211,7 @@ fn short(scene: &SceneTerms) -> Vec<Vec<String>> {
         let folds = |hem: Option<&HemNumbers>| dash(hem.map(|hem| hem.folds.to_string()));
         let lambda = |hem: Option<&HemNumbers>| dash(hem.and_then(multiplier).map(|value| number::significant(value, 3)));
         rows.push(vec![
-            title(row.term),
+            name(row.term),
             state(row).into(),
             moved(row.screened.movement),
             moved(row.movement),
@@ -242,7 +247,7 @@ fn short_of_all(study: &TermsStudy) -> Vec<Vec<String>> {
         let whole = |value: f64| number::fixed(value, 0);
         let two = |value: f64| number::significant(value, 2);
         table.push(vec![
-            title(term),
+            name(term),
             format!("{} of {}", rows.iter().filter(|row| row.screened.on).count(), rows.len()),
             range(&|row| row.movement.map(|m| m / MILLIMETRE), &millimetres),
             range(&|row| change(row, |hem| Some(f64::from(hem.folds))), &whole),
@@ -251,7 +256,9 @@ fn short_of_all(study: &TermsStudy) -> Vec<Vec<String>> {
             range(&|row| change(row, milliseconds), &two),
         ]);
     }
-    table
+    // What no scene has (λ has a closed form under few terms only) is no column.
+    let told: Vec<bool> = (0..header.len()).map(|column| table[1..].iter().any(|row| row[column] != "–")).collect();
+    table.into_iter().map(|row| row.into_iter().zip(&told).filter(|(_, told)| **told).map(|(cell, _)| cell).collect()).collect()
 }
 
 /// Whether the screen judged a term as switching it shows, of those that it judges and that have a hem on either side.
