@@ -74,17 +74,20 @@ vectorized! {
         let mut square = V::zero();
         for Block { x, y, weight } in blocks {
             let (dx, dy, w) = (V::of(x) - x0, V::of(y) - y0, V::of(weight));
-            let r = (dx * dx + dy * dy).sqrt().max(V::all(f64::MIN_POSITIVE));
+            let r = dx.mul_add(dx, dy * dy).sqrt().max(V::all(f64::MIN_POSITIVE));
             let inverse = w / r;
             let (u, v) = (dx * inverse, dy * inverse);
             let distance = w * (r - radius);
-            for (sum, value) in normal.iter_mut().zip([u * u, u * v, v * v, u, v, w]) {
-                *sum = *sum + value;
-            }
-            for (sum, value) in right.iter_mut().zip([u, v, w]) {
-                *sum = *sum + value * distance;
-            }
-            square = square + distance * distance;
+            normal[0] = u.mul_add(u, normal[0]);
+            normal[1] = u.mul_add(v, normal[1]);
+            normal[2] = v.mul_add(v, normal[2]);
+            normal[3] = normal[3] + u;
+            normal[4] = normal[4] + v;
+            normal[5] = normal[5] + w;
+            right[0] = u.mul_add(distance, right[0]);
+            right[1] = v.mul_add(distance, right[1]);
+            right[2] = right[2] + distance;
+            square = distance.mul_add(distance, square);
         }
         let [uu, uv, vv, u, v, w] = [normal[0].sum(), normal[1].sum(), normal[2].sum(), normal[3].sum(), normal[4].sum(), normal[5].sum()];
         Sums {
