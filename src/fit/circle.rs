@@ -17,18 +17,18 @@ pub struct Circle {
     pub sum_of_squares: f64,
 }
 
-/// Gauss–Newton from the centroid; quadratic-like convergence because the residuals are linear in all but the direction.
+/// Gauss–Newton from the mean point; quadratic-like convergence because the residuals are linear in all but the direction.
 pub fn fit(points: &[Point]) -> Circle {
-    let n = points.len() as f64;
-    // About the mean point, so that a far origin costs no digits of the squares.
-    let o = points[0];
-    let middle =
-        Point::new(o.x + points.iter().map(|p| p.x - o.x).sum::<f64>() / n, o.y + points.iter().map(|p| p.y - o.y).sum::<f64>() / n);
-    let blocks: Vec<Block> = points.chunks(WIDTH).map(|chunk| Block::new(chunk, middle)).collect();
-    let (mut x0, mut y0, mut radius) = (0.0, 0.0, sums(&blocks, 0.0, 0.0, 0.0).right[2] / n);
+    let (blocks, middle) = about_the_mean(points);
+    // Any radius does to begin with: the distances are linear in it.
+    let (mut x0, mut y0, mut radius) = (0.0, 0.0, 0.0);
     for _ in 0..50 {
         let Sums { normal, right, .. } = sums(&blocks, x0, y0, radius);
-        let Some(factor) = normal.cholesky() else { break };
+        let Some(factor) = normal.cholesky() else {
+            // No centre is better than another: the mean distance from this one.
+            radius += right[2] / points.len() as f64;
+            break;
+        };
         let step = factor.solve(&right);
         x0 += step[0];
         y0 += step[1];
@@ -49,14 +49,27 @@ struct Block {
     weight: Lanes,
 }
 
-impl Block {
-    fn new(points: &[Point], origin: Point) -> Block {
-        let at = |lane: usize| points.get(lane).unwrap_or(&points[0]);
-        Block {
-            x: Lanes(std::array::from_fn(|lane| at(lane).x - origin.x)),
-            y: Lanes(std::array::from_fn(|lane| at(lane).y - origin.y)),
-            weight: Lanes(std::array::from_fn(|lane| f64::from(u8::from(lane < points.len())))),
+vectorized! {
+    /// The points about their mean, so that a far origin costs no digits of the squares; and that mean.
+    fn about_the_mean<V>(points: &[Point]) -> (Vec<Block>, Point) {
+        let o = points[0];
+        let mut blocks = Vec::with_capacity(points.len().div_ceil(WIDTH));
+        let (mut sum_x, mut sum_y) = (V::zero(), V::zero());
+        for chunk in points.chunks(WIDTH) {
+            let mut block = Block { x: Lanes::ZERO, y: Lanes::ZERO, weight: Lanes::ZERO };
+            for (lane, point) in chunk.iter().enumerate() {
+                (block.x.0[lane], block.y.0[lane], block.weight.0[lane]) = (point.x - o.x, point.y - o.y, 1.0);
+            }
+            (sum_x, sum_y) = (sum_x + V::of(&block.x), sum_y + V::of(&block.y));
+            blocks.push(block);
         }
+        let n = points.len() as f64;
+        let (x, y) = (sum_x.sum() / n, sum_y.sum() / n);
+        for block in &mut blocks {
+            block.x = (V::of(&block.x) - x).lanes();
+            block.y = (V::of(&block.y) - y).lanes();
+        }
+        (blocks, Point::new(o.x + x, o.y + y))
     }
 }
 

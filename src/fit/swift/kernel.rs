@@ -208,14 +208,15 @@ struct Away<V> {
     stiffness: V,
 }
 
-/// `from` is where the points are from the curve's middle, and `out` the direction e_r of their feet, both in the frame of the measurement.
+/// `here` is the curve at the feet; (dx, dy) leads from its middle to the points, and (ex, ey) is e_r at the feet, both in the frame of the
+/// measurement.
 #[inline(always)]
-fn away<V: Vector>(at: &Local<V>, (dx, dy): (V, V), (ex, ey): (V, V)) -> Away<V> {
-    let ((vr, vt), (ar, at_)) = (at.velocity, at.acceleration);
-    let offset = (dx.mul_add(ex, dy.mul_sub(ey, at.rho)), dy.mul_sub(ex, dx.mul_add(ey, at.tau)));
+fn away<V: Vector>(here: &Local<V>, (dx, dy): (V, V), (ex, ey): (V, V)) -> Away<V> {
+    let ((vr, vt), (ar, at)) = (here.velocity, here.acceleration);
+    let offset = (dx.mul_add(ex, dy.mul_sub(ey, here.rho)), dy.mul_sub(ex, dx.mul_add(ey, here.tau)));
     let gauss = vr.mul_add(vr, vt * vt);
     let along = offset.0.mul_add(vr, offset.1 * vt);
-    let bent = offset.1.neg_mul_add(at_, offset.0.neg_mul_add(ar, gauss));
+    let bent = offset.1.neg_mul_add(at, offset.0.neg_mul_add(ar, gauss));
     Away { offset, gauss, along, stiffness: bent.where_above(gauss * 0.1, gauss) }
 }
 
@@ -308,7 +309,7 @@ fn evaluate_on<V: Vector, const CURVED: bool>(all: &mut Blocks, curve: &Curve, c
             let (by_square, softness) = (reciprocal * stiffness, reciprocal * gauss);
             let slowness = gauss.sqrt() * by_square;
             block.step = (along * softness).lanes();
-            let distance = (or.mul_sub(vt, ot * vr)) * slowness;
+            let distance = or.mul_sub(vt, ot * vr) * slowness;
             block.distance = distance.lanes();
             let curvature = vr.mul_sub(at, vt * ar) * (slowness * by_square);
             let corrected = curvature.neg_mul_add(V::all(half_variance), distance);

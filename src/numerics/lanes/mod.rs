@@ -384,16 +384,7 @@ mod tests {
         assert_eq!(bits(followed), bits(Lanes(std::array::from_fn(|lane| if lane < 7 { x.0[lane + 1] } else { y.0[0] }))));
         assert_eq!(bits(preceded), bits(Lanes(std::array::from_fn(|lane| if 0 < lane { x.0[lane - 1] } else { y.0[7] }))));
         assert_eq!(bits(greater), bits(single(&|x, y, _| if y < x { x } else { y })));
-        assert_eq!(
-            bits(held),
-            bits(single(&|x, _, _| if 0.5 < x {
-                0.5
-            } else if x < -0.5 {
-                -0.5
-            } else {
-                x
-            }))
-        );
+        assert_eq!(bits(held), bits(single(&|x, _, _| x.clamp(-0.5, 0.5))));
         assert!(total.0[0].is_nan());
     }
 }
