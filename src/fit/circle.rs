@@ -17,18 +17,18 @@ pub struct Circle {
     pub sum_of_squares: f64,
 }
 
-/// Gauss–Newton from the mean point; quadratic-like convergence because the residuals are linear in all but the direction.
+/// Gauss–Newton from the centroid; quadratic-like convergence because the residuals are linear in all but the direction.
 pub fn fit(points: &[Point]) -> Circle {
-    let (blocks, middle) = about_the_mean(points);
-    // Any radius does to begin with: the distances are linear in it.
-    let (mut x0, mut y0, mut radius) = (0.0, 0.0, 0.0);
+    let n = points.len() as f64;
+    // About the mean point, so that a far origin costs no digits of the squares.
+    let o = points[0];
+    let middle =
+        Point::new(o.x + points.iter().map(|p| p.x - o.x).sum::<f64>() / n, o.y + points.iter().map(|p| p.y - o.y).sum::<f64>() / n);
+    let blocks: Vec<Block> = points.chunks(WIDTH).map(|chunk| Block::new(chunk, middle)).collect();
+    let (mut x0, mut y0, mut radius) = (0.0, 0.0, sums(&blocks, 0.0, 0.0, 0.0).right[2] / n);
     for _ in 0..50 {
         let Sums { normal, right, .. } = sums(&blocks, x0, y0, radius);
-        let Some(factor) = normal.cholesky() else {
-            // No centre is better than another: the mean distance from this one.
-            radius += right[2] / points.len() as f64;
-            break;
-        };
+        let Some(factor) = normal.cholesky() else { break };
         let step = factor.solve(&right);
         x0 += step[0];
         y0 += step[1];
@@ -49,27 +49,14 @@ struct Block {
     weight: Lanes,
 }
 
-vectorized! {
-    /// The points about their mean, so that a far origin costs no digits of the squares; and that mean.
-    fn about_the_mean<V>(points: &[Point]) -> (Vec<Block>, Point) {
-        let o = points[0];
-        let mut blocks = Vec::with_capacity(points.len().div_ceil(WIDTH));
-        let (mut sum_x, mut sum_y) = (V::zero(), V::zero());
-        for chunk in points.chunks(WIDTH) {
-            let mut block = Block { x: Lanes::ZERO, y: Lanes::ZERO, weight: Lanes::ZERO };
-            for (lane, point) in chunk.iter().enumerate() {
-                (block.x.0[lane], block.y.0[lane], block.weight.0[lane]) = (point.x - o.x, point.y - o.y, 1.0);
-            }
-            (sum_x, sum_y) = (sum_x + V::of(&block.x), sum_y + V::of(&block.y));
-            blocks.push(block);
+impl Block {
+    fn new(points: &[Point], origin: Point) -> Block {
+        let at = |lane: usize| points.get(lane).unwrap_or(&points[0]);
+        Block {
+            x: Lanes(std::array::from_fn(|lane| at(lane).x - origin.x)),
+            y: Lanes(std::array::from_fn(|lane| at(lane).y - origin.y)),
+            weight: Lanes(std::array::from_fn(|lane| f64::from(u8::from(lane < points.len())))),
         }
-        let n = points.len() as f64;
-        let (x, y) = (sum_x.sum() / n, sum_y.sum() / n);
-        for block in &mut blocks {
-            block.x = (V::of(&block.x) - x).lanes();
-            block.y = (V::of(&block.y) - y).lanes();
-        }
-        (blocks, Point::new(o.x + x, o.y + y))
     }
 }
 
@@ -87,20 +74,17 @@ vectorized! {
         let mut square = V::zero();
         for Block { x, y, weight } in blocks {
             let (dx, dy, w) = (V::of(x) - x0, V::of(y) - y0, V::of(weight));
-            let r = dx.mul_add(dx, dy * dy).sqrt().max(V::all(f64::MIN_POSITIVE));
+            let r = (dx * dx + dy * dy).sqrt().max(V::all(f64::MIN_POSITIVE));
             let inverse = w / r;
             let (u, v) = (dx * inverse, dy * inverse);
             let distance = w * (r - radius);
-            normal[0] = u.mul_add(u, normal[0]);
-            normal[1] = u.mul_add(v, normal[1]);
-            normal[2] = v.mul_add(v, normal[2]);
-            normal[3] = normal[3] + u;
-            normal[4] = normal[4] + v;
-            normal[5] = normal[5] + w;
-            right[0] = u.mul_add(distance, right[0]);
-            right[1] = v.mul_add(distance, right[1]);
-            right[2] = right[2] + distance;
-            square = distance.mul_add(distance, square);
+            for (sum, value) in normal.iter_mut().zip([u * u, u * v, v * v, u, v, w]) {
+                *sum = *sum + value;
+            }
+            for (sum, value) in right.iter_mut().zip([u, v, w]) {
+                *sum = *sum + value * distance;
+            }
+            square = square + distance * distance;
         }
         let [uu, uv, vv, u, v, w] = [normal[0].sum(), normal[1].sum(), normal[2].sum(), normal[3].sum(), normal[4].sum(), normal[5].sum()];
         Sums {
