@@ -253,6 +253,7 @@ macro_rules! vectorized {
         $(#[$meta])*
         $visibility fn $name($($argument: $kind),*) -> $result {
             #[inline(always)]
+            #[allow(clippy::extra_unused_type_parameters)] // A body may leave it to the compiler to fill the registers.
             fn on<$vector: $crate::numerics::lanes::Vector>($($argument: $kind),*) -> $result $body
 
             #[cfg(target_arch = "x86_64")]
