@@ -52,6 +52,7 @@ fn allowed() -> BTreeMap<&'static str, (Vec<&'static str>, Vec<&'static str>)> {
                 "typst_pdf",
                 "resvg",
                 "dejavu",
+                "rayon",
                 "serde",
                 "serde_json",
                 "tempfile",

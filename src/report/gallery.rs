@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::figure::{agreement, fidelities, folds, gap, half_normal, hem, multiples, residuals, rigidity, uneven};
 use super::kinds::{KINDS, Kind, Of, Shown, Subject};
+use super::number;
 use super::words;
-use super::{number, parallel};
 use crate::error::Error;
 use crate::experiment::{Factor, Run};
 use crate::statistics::box_wilson::Analysis;
@@ -25,7 +27,7 @@ pub type Gallery = BTreeMap<String, String>;
 /// [`Error::Output`] naming the figure that could not be drawn.
 pub fn draw(study: &CampaignStudy) -> Result<Gallery, Error> {
     let exhibits = exhibits(study);
-    let drawn = parallel::each(&exhibits, |(kind, subject)| (kind.draw)(study, subject));
+    let drawn = exhibits.par_iter().map(|(kind, subject)| (kind.draw)(study, subject)).collect::<Vec<_>>();
     let mut gallery = Gallery::new();
     for ((kind, subject), svg) in exhibits.iter().zip(drawn) {
         match svg {

@@ -21,7 +21,6 @@ pub mod number;
 pub mod output;
 pub mod page;
 pub mod paper;
-pub mod parallel;
 pub mod picture;
 pub mod pattern;
 pub mod raster;

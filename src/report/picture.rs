@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::gallery::Gallery;
 use super::typeset::{self, Manuscript};
-use super::{Progress, date::Date, output, parallel, raster};
+use super::{Progress, date::Date, output, raster};
 use crate::error::Error;
 
 /// Families that stand in for the embedded one where it is not installed: nearly as wide, so that nothing runs into its neighbour.
@@ -96,7 +98,9 @@ pub fn write_all(gallery: &Gallery, folder: &Path, dpi: f64, progress: &(dyn Fn(
         progress(Progress::Step);
         Ok(written)
     };
-    let written: Result<Vec<[PathBuf; 2]>, Error> = parallel::each(&figures, one).into_iter().collect();
+    // Of several faults the first figure's is told, whichever came first.
+    let written: Vec<Result<[PathBuf; 2], Error>> = figures.par_iter().map(one).collect();
+    let written: Result<Vec<[PathBuf; 2]>, Error> = written.into_iter().collect();
     Ok(written?.into_iter().flatten().collect())
 }
 
