@@ -142,4 +142,7 @@ const tip = {
     });
   },
 };
-const roomOf = (holder) => Math.max(260, Math.round(holder.clientWidth || 560));
+// Width of a chart's drawing, pixels. On paper it is that of the column, whatever the window: a drawing for a telephone would be printed in giant letters.
+const PAPER = { plan: 400, unrolled: 680, distance: 680 };
+let printing = false;
+const roomOf = (holder) => (printing && PAPER[holder.id]) || Math.max(260, Math.round(holder.clientWidth || 560));
