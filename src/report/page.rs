@@ -8,6 +8,7 @@ mod overview;
 mod packed;
 mod response;
 mod run;
+mod shared;
 mod surface;
 mod table;
 mod tables;
@@ -51,6 +52,7 @@ pub fn html(study: &CampaignStudy, options: &Options, translator: &Translator) -
     shown["language"] = json!(options.language.code());
     shown["decimal"] = json!(if options.language == Language::English { "." } else { "," });
     translator.value(&mut shown, &VERBATIM);
+    shared::shared(&mut shown);
     let data = in_script(&shown.to_string());
     let nonce = digest(&data);
     let date = provenance.date.map(|date| format!(" · {date}")).unwrap_or_default();
@@ -135,7 +137,7 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "apparatus": document::apparatus(study.campaign.apparatus),
         "words": said,
         "step": detail.step / MILLIMETRE,
-        "space_step": surface::STEP / MILLIMETRE,
+        "space_step": detail.coarse * surface::STEP / MILLIMETRE,
         "summary": [
             part("What was measured", "measured"),
             part("What was found", "found"),

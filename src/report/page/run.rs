@@ -27,7 +27,9 @@ pub struct Detail {
     /// To this place curves are sent, m.
     pub step: f64,
     pub surface: draped::Options,
-    /// Whether the page has the long tables of fold counts tried, of folds and of branches of the theory, which are files too.
+    /// How many times as coarsely as usual places and fields of surfaces are sent.
+    pub coarse: f64,
+    /// Whether the page has the long tables of fold counts tried, curves compared, folds and branches of the theory, which are files too.
     pub long_tables: bool,
 }
 
@@ -40,11 +42,12 @@ impl Detail {
     /// For a campaign of so many runs.
     pub fn of(runs: usize) -> Self {
         // Chords of a hem that fills a screen are then nowhere off by a pixel, and a hundredth of a millimetre is less than a screen or an outline resolves.
-        let fine = Detail { nodes: 300, most: 400, step: 0.01 * MILLIMETRE, surface: draped::Options::default(), long_tables: true };
+        let fine =
+            Detail { nodes: 300, most: 400, step: 0.01 * MILLIMETRE, surface: draped::Options::default(), coarse: 1.0, long_tables: true };
         if VERY_MANY < runs {
-            // Of a hem of half a metre a twentieth of a millimetre is a twentieth of a pixel.
+            // Of a hem of half a metre a twentieth of a millimetre is a twentieth of a pixel, and four tenths on a skirt no more than its edges show.
             let surface = draped::Options { round: 48, down: 6 };
-            return Detail { nodes: 120, most: 120, step: 0.05 * MILLIMETRE, surface, long_tables: false };
+            return Detail { nodes: 120, most: 120, step: 0.05 * MILLIMETRE, surface, coarse: 4.0, long_tables: false };
         }
         if MANY < runs {
             return Detail { nodes: 150, most: 200, surface: draped::Options { round: 72, down: 8 }, ..fine };
@@ -62,7 +65,7 @@ impl Detail {
             self.most, self.nodes
         );
         if !self.long_tables {
-            said.push_str(" Fold counts tried, folds and branches of the theory are in candidates.csv, folds.csv and predictions.csv.");
+            said.push_str(" Fold counts tried, curves compared, folds and branches of the theory are in candidates.csv, models.csv, folds.csv and predictions.csv.");
         }
         Some(said)
     }
@@ -79,7 +82,7 @@ pub fn view(study: &RunStudy, campaign: &CampaignStudy, detail: &Detail) -> Valu
         "treatment": treatment,
         "notes": note::of(study),
         "hem": hem(study, detail),
-        "surfaces": surface::surfaces(study, campaign.campaign.gravity, &detail.surface),
+        "surfaces": surface::surfaces(study, campaign.campaign.gravity, &detail.surface, detail.coarse),
         "surface_missing": surface::missing(study),
         "numbers": of_texts(&number_columns(), numbers(study)),
         "folds": of_texts(&fold_columns(), folds(study)),

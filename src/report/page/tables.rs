@@ -56,7 +56,7 @@ const FITS: [&str; 43] = [
 ];
 
 /// The tables with many rows for each run.
-const LONG: [&str; 3] = ["candidates", "folds", "predictions"];
+const LONG: [&str; 4] = ["candidates", "models", "folds", "predictions"];
 
 /// All tables that have rows, the long ones only if asked for: (id, title, about, table).
 pub fn all(study: &CampaignStudy, provenance: &Provenance, long: bool) -> Vec<Value> {
