@@ -5,6 +5,7 @@ pub mod check;
 pub mod design;
 mod neighbours;
 mod ordering;
+pub mod polygon;
 pub mod profile;
 pub mod provenance;
 pub mod scene;

@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::akaike;
 use super::even::{self, even_folds};
+use crate::experiment::polygon::Polygon;
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
 
@@ -184,7 +185,7 @@ pub fn centroid(samples: &[Point]) -> (f64, f64) {
 
 /// How often a closed polygon crosses itself.
 pub fn crossings(points: &[Point]) -> usize {
-    crossings_of(points, points.len())
+    Polygon::new(points).crossings_of(points.len())
 }
 
 /// How often the hem curve crosses itself; an upper bound, because a crossing of two folds is counted from both.
@@ -199,32 +200,7 @@ pub fn hem_crossings(hem: &Hem) -> usize {
     // All folds are alike: the sides of one are held against all. A hem of few folds gets the nodes of six.
     let nodes = NODES * 6_usize.div_ceil(folds);
     let points = hem.outline(&Placement::ORIGIN, nodes * folds);
-    crossings_of(&points, nodes) * folds
-}
-
-/// How often the first `sides` sides of a closed polygon cross a later side.
-fn crossings_of(points: &[Point], sides: usize) -> usize {
-    let n = points.len();
-    let side = |a: Point, b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    let mut count = 0;
-    for i in 0..sides {
-        let (a, b) = (points[i], points[(i + 1) % n]);
-        let (x_low, x_high) = (a.x.min(b.x), a.x.max(b.x));
-        let (y_low, y_high) = (a.y.min(b.y), a.y.max(b.y));
-        for j in i + 2..n {
-            if i == 0 && j == n - 1 {
-                continue;
-            }
-            let (c, d) = (points[j], points[(j + 1) % n]);
-            if c.x.max(d.x) < x_low || x_high < c.x.min(d.x) || c.y.max(d.y) < y_low || y_high < c.y.min(d.y) {
-                continue;
-            }
-            if side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
-                count += 1;
-            }
-        }
-    }
-    count
+    Polygon::new(&points).crossings_of(nodes) * folds
 }
 
 /// A closed polygon at [`SAMPLES`] equal steps of `fraction`, which ascends from 0 and stays below 1.

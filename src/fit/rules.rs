@@ -8,6 +8,7 @@ use super::outcome::Rule;
 use super::outline::{MISSING, Outline, hem_crossings};
 use super::start::LengthTable;
 use crate::experiment::Point;
+use crate::experiment::polygon::Polygon;
 use crate::model::hem::{Hem, Placement};
 
 /// Relative difference of curve and outline length above which a free fit is not believed. Sane free optima of uneven folds are up to
@@ -67,7 +68,8 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
     if evidence.outline.crossings < hem_crossings(hem) {
         return Some(Rule::Simplicity);
     }
-    if curve.iter().any(|&p| evidence.strays(p)) {
+    let (smooth, points) = (Polygon::new(&evidence.outline.samples), Polygon::new(evidence.points));
+    if curve.iter().any(|&p| evidence.strays(p, &smooth, &points)) {
         return Some(Rule::Nearness);
     }
     None
@@ -83,15 +85,16 @@ impl Evidence<'_> {
         if few { limit } else { f64::INFINITY }
     }
 
-    /// Whether a point of the curve is further from the outline than the outline is from the curve.
-    fn strays(&self, point: Point) -> bool {
+    /// Whether a point of the curve is further from the outline (`smooth`, and the `points` themselves) than the outline is from the curve.
+    fn strays(&self, point: Point, smooth: &Polygon<'_>, points: &Polygon<'_>) -> bool {
         // 1 % of the radius: where the fit is excellent, the smooth outline between the points is itself not better known.
         let reach = 1.5 * self.farthest + 0.01 * self.outline.radius;
-        if distance_to_polygon(point, &self.outline.samples).0 <= reach {
+        if smooth.nearest(point).square.sqrt() <= reach {
             return false;
         }
         // Between distant points nobody knows the outline better than a share of their distance: the sag of an arc of 120° over its chord.
-        let (distance, chord) = distance_to_polygon(point, self.points);
+        let nearest = points.nearest(point);
+        let (distance, chord) = (nearest.square.sqrt(), nearest.side.0.hypot(nearest.side.1));
         // Over a missing piece the folds come on top of the sag.
         let sag = if MISSING * self.outline.length < chord { 0.6 } else { 0.3 };
         reach + sag * chord < distance
@@ -136,21 +139,4 @@ fn out_of_order(hem: &Hem, evidence: &Evidence, perimeter: f64) -> bool {
     // by the misfit.
     let allowed = (5.0 * evidence.outline.noise + 0.5 * evidence.rms) / perimeter + 0.01;
     (turned - 1.0).abs() > 1e-6 || allowed < back
-}
-
-/// Distance of a point from a closed polygon, and the length of its nearest side, m.
-fn distance_to_polygon(point: Point, polygon: &[Point]) -> (f64, f64) {
-    let n = polygon.len();
-    let (mut least, mut side) = (f64::INFINITY, 0.0);
-    for i in 0..n {
-        let (a, b) = (polygon[i], polygon[(i + 1) % n]);
-        let (ex, ey) = (b.x - a.x, b.y - a.y);
-        let (dx, dy) = (point.x - a.x, point.y - a.y);
-        let share = ((dx * ex + dy * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let square = (dx - share * ex).powi(2) + (dy - share * ey).powi(2);
-        if square < least {
-            (least, side) = (square, ex.hypot(ey));
-        }
-    }
-    (least.sqrt(), side)
 }

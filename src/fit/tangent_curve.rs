@@ -25,6 +25,8 @@ pub struct TangentCurve {
     step: f64,
     /// cos and sin at `2πj/nodes`.
     table: Vec<(f64, f64)>,
+    /// What turns the first period into each of the others.
+    turns: Vec<C>,
     /// Position and its first three derivatives at the nodes, the end of the period included.
     position: Vec<C>,
     first: Vec<C>,
@@ -76,7 +78,8 @@ impl TangentCurve {
             third.push(f * C::new(-slope * slope, bend));
         }
         let position = centred(cumulative(&first, &second, &third, step), symmetry);
-        TangentCurve { symmetry, cosines: cosines.to_vec(), sines: sines.to_vec(), step, table, position, first, second, third }
+        let turns = (0..symmetry).map(|turn| C::from_polar(1.0, TAU * f64::from(turn) / f64::from(symmetry))).collect();
+        TangentCurve { symmetry, cosines: cosines.to_vec(), sines: sines.to_vec(), step, table, turns, position, first, second, third }
     }
 
     pub fn symmetry(&self) -> u32 {
@@ -120,8 +123,7 @@ impl TangentCurve {
         let turns = (scaled / nodes as f64).floor();
         let within = scaled - turns * nodes as f64;
         let node = (within as usize).min(nodes - 1);
-        let turn =
-            if turns == 0.0 || self.symmetry == 1 { C::new(1.0, 0.0) } else { C::from_polar(1.0, TAU * turns / f64::from(self.symmetry)) };
+        let turn = self.turns[turns.rem_euclid(f64::from(self.symmetry)) as usize];
         Cell { node, share: within - node as f64, turn }
     }
 

@@ -17,6 +17,7 @@ use crate::experiment::Skirt;
 use crate::numerics::dual::Dual;
 use crate::numerics::minimize::{Expansion, Smooth};
 use crate::numerics::quadrature::{gauss_legendre, running_integral};
+use crate::vectorized;
 
 /// Material and size of the discretization.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -224,6 +225,7 @@ impl GradedShell {
     }
 
     /// Energy and gradient, forward and back.
+    #[inline(always)]
     fn sweep<const N: usize>(&self, alpha: &[Dual<N>]) -> Option<Sweep<N>> {
         let (harmonics, modes) = (self.setup.harmonics, self.setup.modes);
         let (count, slices, b) = (self.weights.len(), self.slices.len(), self.growth);
@@ -467,8 +469,15 @@ impl<const N: usize> Back<N> {
     };
 }
 
-/// Hessian columns per sweep: four keep a dual number within two vector registers.
-const COLUMNS: usize = 4;
+/// Hessian columns per sweep: as many as the widest vector register holds.
+const COLUMNS: usize = 8;
+
+vectorized! {
+    /// [`GradedShell::sweep`] in the widest registers: the slopes of a dual number fill one.
+    fn swept<V>(shell: &GradedShell, alpha: &[Dual<COLUMNS>]) -> Option<Sweep<COLUMNS>> {
+        shell.sweep(alpha)
+    }
+}
 
 impl Smooth for GradedShell {
     fn expand(&self, alpha: &DVector<f64>) -> Option<Expansion> {
@@ -484,7 +493,7 @@ impl Smooth for GradedShell {
                     dual
                 })
                 .collect();
-            let sweep = self.sweep(&seeded)?;
+            let sweep = swept(self, &seeded)?;
             out.value = (sweep.gravity + sweep.bending + sweep.shear).value;
             for (i, entry) in sweep.gradient.iter().enumerate() {
                 out.gradient[i] = entry.value;

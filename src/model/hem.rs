@@ -56,7 +56,8 @@ pub struct Local {
 impl Local {
     /// |c'(t)|, m.
     pub fn speed(&self) -> f64 {
-        self.velocity.0.hypot(self.velocity.1)
+        let (radial, tangential) = self.velocity;
+        (radial * radial + tangential * tangential).sqrt()
     }
 
     /// Signed curvature, 1/m; positive where the curve turns left.

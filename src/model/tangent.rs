@@ -297,18 +297,21 @@ impl TangentHem {
     /// h(φ) and dh/dφ at φ = mσ, m.
     fn turning(&self, phi: f64) -> ((f64, f64), (f64, f64)) {
         let (mut x, mut y) = (0.0, 0.0);
-        for (j, (plus, minus)) in self.modes.iter().enumerate() {
-            let (sin, cos) = (j as f64 * phi).sin_cos();
+        let (mut psi, mut strain) = (0.0, 0.0);
+        // e^{ijφ} as powers of e^{iφ}: one sine for all of them.
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        let (mut sin, mut cos) = (0.0, 1.0);
+        for j in 0..self.modes.len().max(self.coefficients.len()).max(self.strains.len()) {
+            let (plus, minus) = self.modes.get(j).copied().unwrap_or_default();
             x += (plus + minus) * cos;
             y += (plus - minus) * sin;
+            strain += self.strains.get(j).map_or(0.0, |e| e * cos);
+            (sin, cos) = (sin * cos_phi + cos * sin_phi, cos * cos_phi - sin * sin_phi);
+            psi += self.coefficients.get(j).map_or(0.0, |a| a * sin);
         }
-        let psi: f64 = self.coefficients.iter().enumerate().map(|(k, a)| a * ((k + 1) as f64 * phi).sin()).sum();
         let m = f64::from(self.folds);
         let (sin, cos) = psi.sin_cos();
-        let stretched = match &self.strains[..] {
-            [] => self.hem,
-            strains => self.hem * (1.0 + strains.iter().enumerate().map(|(k, e)| e * (k as f64 * phi).cos()).sum::<f64>()),
-        };
+        let stretched = self.hem * (1.0 + strain);
         // From h − i m dh/dφ = R_n (1 + ε) e^{iψ}.
         ((x, y), (-(stretched * sin - y) / m, (stretched * cos - x) / m))
     }
@@ -335,10 +338,11 @@ impl TangentHem {
     /// `n` points round the hem, equally spaced in cloth length, the first on a crest on the x axis, counter-clockwise, m.
     pub fn outline(&self, n: usize) -> Vec<Point> {
         let m = f64::from(self.folds);
+        // Where the points fall alike in every fold, one fold says everything.
+        let period = if n.is_multiple_of(self.folds as usize) { n / self.folds as usize } else { n };
+        let fold: Vec<(f64, f64)> = (0..period).map(|i| self.turning(m * TAU * i as f64 / n as f64).0).collect();
         let place = |i: usize| {
-            let sigma = TAU * i as f64 / n as f64;
-            let ((x, y), _) = self.turning(m * sigma);
-            let (sin, cos) = sigma.sin_cos();
+            let ((x, y), (sin, cos)) = (fold[i % period], (TAU * i as f64 / n as f64).sin_cos());
             Point::new(x * cos - y * sin, x * sin + y * cos)
         };
         (0..n).map(place).collect()

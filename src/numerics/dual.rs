@@ -19,30 +19,35 @@ impl<const N: usize> Dual<N> {
     }
 
     /// f of this number, from f and f′ at its value.
-    #[inline]
+    #[inline(always)]
     pub fn chain(self, value: f64, first: f64) -> Self {
-        Dual { value, slope: self.slope.map(|d| first * d) }
+        let mut slope = self.slope;
+        // A loop, since a map over an array is not inlined into a function of wider registers.
+        for d in &mut slope {
+            *d *= first;
+        }
+        Dual { value, slope }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn recip(self) -> Self {
         let inverse = 1.0 / self.value;
         self.chain(inverse, -inverse * inverse)
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn square(self) -> Self {
         self * self
     }
@@ -50,7 +55,7 @@ impl<const N: usize> Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(mut self, other: Self) -> Self {
         self += other;
         self
@@ -58,7 +63,7 @@ impl<const N: usize> Add for Dual<N> {
 }
 
 impl<const N: usize> AddAssign for Dual<N> {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.value += other.value;
         for i in 0..N {
@@ -69,7 +74,7 @@ impl<const N: usize> AddAssign for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(mut self, other: Self) -> Self {
         self.value -= other.value;
         for i in 0..N {
@@ -81,7 +86,7 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         self * -1.0
     }
@@ -89,7 +94,7 @@ impl<const N: usize> Neg for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let mut out = Dual::constant(self.value * other.value);
         for i in 0..N {
@@ -101,7 +106,7 @@ impl<const N: usize> Mul for Dual<N> {
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         Mul::mul(self, other.recip())
     }
@@ -109,7 +114,7 @@ impl<const N: usize> Div for Dual<N> {
 
 impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(mut self, other: f64) -> Self {
         self.value += other;
         self
@@ -118,7 +123,7 @@ impl<const N: usize> Add<f64> for Dual<N> {
 
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(mut self, other: f64) -> Self {
         self.value *= other;
         for i in 0..N {

@@ -41,13 +41,15 @@ pub fn pdf(manuscript: Manuscript) -> Result<Vec<u8>, Error> {
     let desk = Desk::new(manuscript)?;
     let set = typst::compile::<PagedDocument>(&desk);
     let document = set.output.map_err(|faults| desk.error(&faults))?;
+    // The typesetter memoizes without bound. What it remembers of the setting is of no use to the writing of the file, which needs the room.
+    typst::comemo::evict(0);
     let options = PdfOptions {
         ident: Smart::Auto,
         creator: Smart::Custom(Some(concat!("hemline ", env!("CARGO_PKG_VERSION")).to_string())),
         ..PdfOptions::default()
     };
     let bytes = typst_pdf::pdf(&document, &options).map_err(|faults| desk.error(&faults))?;
-    // The typesetter memoizes without bound; a program that sets many documents would keep them all.
+    // A program that sets many documents would keep what it remembers of them all.
     typst::comemo::evict(0);
     Ok(bytes)
 }

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+use crate::experiment::polygon::{NearestPlace, Polygon};
 use crate::experiment::profile::signed_area;
 use crate::experiment::{DrapeProfile, Point};
 use crate::fit::HemFit;
@@ -46,7 +47,7 @@ fn equal_area_radius(area: f64) -> f64 {
 
 /// The shift and turn of `hem` that bring it nearest to `points`, from `start`; and the root mean square distance there.
 fn lay_over(points: &[Point], hem: &[Point], start: &Placement) -> (Placement, f64) {
-    let mut problem = Overlay { points, hem, rows: vec![[0.0; 3]; points.len()] };
+    let mut problem = Overlay { points, hem: Polygon::new(hem), rows: vec![[0.0; 3]; points.len()] };
     let options = least_squares::Options { gradient_tolerance: 1e-6, step_tolerance: 1e-8, evaluation_limit: 60, ..Default::default() };
     let summary =
         least_squares::solve(&mut problem, &[start.x0, start.y0, start.phase], &options).expect("a profile has more points than three");
@@ -57,7 +58,7 @@ fn lay_over(points: &[Point], hem: &[Point], start: &Placement) -> (Placement, f
 /// Distances of points from a polygon that is shifted and turned.
 struct Overlay<'a> {
     points: &'a [Point],
-    hem: &'a [Point],
+    hem: Polygon<'a>,
     rows: Vec<[f64; 3]>,
 }
 
@@ -72,8 +73,8 @@ impl Problem for Overlay<'_> {
             let (dx, dy) = (point.x - unknowns[0], point.y - unknowns[1]);
             // The point in the frame of the hem.
             let (x, y) = (dx * cos + dy * sin, dy * cos - dx * sin);
-            let (foot, normal) = nearest_on_polygon(self.hem, x, y);
-            residuals[i] = (x - foot.0) * normal.0 + (y - foot.1) * normal.1;
+            let (foot, normal) = foot_and_normal(&self.hem, Point::new(x, y));
+            residuals[i] = (x - foot.x) * normal.0 + (y - foot.y) * normal.1;
             self.rows[i] = [-(normal.0 * cos - normal.1 * sin), -(normal.0 * sin + normal.1 * cos), normal.0 * y - normal.1 * x];
         }
         residuals.iter().all(|r| r.is_finite())
@@ -89,31 +90,18 @@ impl Problem for Overlay<'_> {
     }
 }
 
-/// The nearest point of a closed polygon and the unit vector from it towards (x, y), outward where the point lies on it.
-fn nearest_on_polygon(polygon: &[Point], x: f64, y: f64) -> ((f64, f64), (f64, f64)) {
-    let n = polygon.len();
-    let (mut least, mut foot, mut edge) = (f64::INFINITY, (0.0, 0.0), (1.0, 0.0));
-    for i in 0..n {
-        let (a, b) = (polygon[i], polygon[(i + 1) % n]);
-        let (ex, ey) = (b.x - a.x, b.y - a.y);
-        let share = (((x - a.x) * ex + (y - a.y) * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let (fx, fy) = (a.x + share * ex, a.y + share * ey);
-        let square = (x - fx).powi(2) + (y - fy).powi(2);
-        if square < least {
-            (least, foot, edge) = (square, (fx, fy), (ex, ey));
-        }
-    }
-    let outward = {
-        let length = edge.0.hypot(edge.1).max(f64::MIN_POSITIVE);
-        (edge.1 / length, -edge.0 / length)
-    };
-    let distance = least.sqrt();
+/// The nearest point of a closed polygon and the unit vector from it towards `point`, outward where the point lies on it.
+fn foot_and_normal(hem: &Polygon<'_>, point: Point) -> (Point, (f64, f64)) {
+    let NearestPlace { square, foot, side } = hem.nearest(point);
+    let length = side.0.hypot(side.1).max(f64::MIN_POSITIVE);
+    let outward = (side.1 / length, -side.0 / length);
+    let distance = square.sqrt();
     if distance <= 1e-12 {
         return (foot, outward);
     }
-    let (nx, ny) = ((x - foot.0) / distance, (y - foot.1) / distance);
-    let side = if nx * outward.0 + ny * outward.1 < 0.0 { -1.0 } else { 1.0 };
-    (foot, (side * nx, side * ny))
+    let (nx, ny) = ((point.x - foot.x) / distance, (point.y - foot.y) / distance);
+    let sign = if nx * outward.0 + ny * outward.1 < 0.0 { -1.0 } else { 1.0 };
+    (foot, (sign * nx, sign * ny))
 }
 
 #[cfg(test)]
