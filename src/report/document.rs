@@ -41,12 +41,12 @@ const VERBATIM: [&str; 8] = ["title", "origin", "origin-short", "program", "date
 ///
 /// # Errors
 /// [`Error::Output`] if the document cannot be set.
-pub fn pdf(study: &CampaignStudy, gallery: &Gallery, options: &Options, translator: &Translator) -> Result<Vec<u8>, Error> {
+pub fn pdf(study: &CampaignStudy, gallery: Gallery, options: &Options, translator: &Translator) -> Result<Vec<u8>, Error> {
     let own = options.letterhead.own_template.as_deref();
     let template = own.unwrap_or(TEMPLATE);
     let mut manuscript = Manuscript { template: template.into(), date: options.provenance.date, ..Manuscript::default() };
     let mut file = |name: &str, bytes: Vec<u8>| drop(manuscript.files.insert(name.into(), bytes));
-    file("data.json", data(study, gallery, options, translator).to_string().into_bytes());
+    file("data.json", data(study, &gallery, options, translator).to_string().into_bytes());
     file("words.json", words::said(template, translator).to_string().into_bytes());
     for (name, prose) in PROSE {
         file(name, prose.into());
@@ -55,7 +55,7 @@ pub fn pdf(study: &CampaignStudy, gallery: &Gallery, options: &Options, translat
         file(&format!("logo.{}", logo.format), logo.bytes.clone());
     }
     for (stem, svg) in gallery {
-        file(&format!("figures/{stem}.svg"), svg.clone().into_bytes());
+        file(&format!("figures/{stem}.svg"), svg.into_bytes());
     }
     typeset::pdf(manuscript)
 }

@@ -177,16 +177,10 @@ pub fn write_with(
     let translator = Translator::new(options.language, language::names(study));
     let drawn = options.wants(Part::Pdf) || options.wants(Part::Figures);
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
-    // The document is set on one core: the others draw the pictures meanwhile.
-    let (written, pictures) = std::thread::scope(|scope| {
-        let drawing = || picture::write_all(&gallery, folder, options.dpi, progress);
-        let pictures = options.wants(Part::Figures).then(|| scope.spawn(drawing));
-        let written = write_but_pictures(study, folder, options, &gallery, &translator);
-        let pictures = pictures.map(|drawing| drawing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        (written, pictures.unwrap_or_else(|| Ok(vec![])))
-    });
-    let mut written = written?;
-    written.extend(pictures?);
+    // Pictures first, on all cores, then the document: the two at once would need the room of both, and the document then takes the figures as its own.
+    let pictures = if options.wants(Part::Figures) { picture::write_all(&gallery, folder, options.dpi, progress)? } else { vec![] };
+    let mut written = write_but_pictures(study, folder, options, gallery, &translator)?;
+    written.extend(pictures);
     Ok(written)
 }
 
@@ -194,7 +188,7 @@ fn write_but_pictures(
     study: &CampaignStudy,
     folder: &Path,
     options: &Options,
-    gallery: &gallery::Gallery,
+    gallery: gallery::Gallery,
     translator: &Translator,
 ) -> Result<Vec<PathBuf>, Error> {
     let mut written = vec![];

@@ -5,8 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::kernel::Finish;
-use crate::experiment::Point;
+use super::kernel::{Blocks, Finish, spread};
 use crate::model::hem::Hem;
 
 /// Largest departure of curve length from the outline's, relative: what [`super::super::rules`] allows where only noise is left.
@@ -19,56 +18,38 @@ const WHITENESS: f64 = 0.5;
 /// A root mean square distance below this share of the radius needs no such proof: the curve is the outline.
 const EXACT: f64 = 1e-6;
 
-/// The outline's length, m, if the curve obeys every rule beyond doubt. `points` and the entries of `finish` in outline order.
-pub(super) fn outline_length(points: &[Point], hem: &Hem, distances: &[f64], finish: &Finish) -> Option<f64> {
+/// The outline's length, m, if the curve obeys every rule beyond doubt.
+pub(super) fn outline_length(all: &Blocks, hem: &Hem, finish: &Finish) -> Option<f64> {
     if !(hem.p.is_finite() && hem.q.is_finite() && hem.s.is_finite() && hem.q.abs() < hem.p) {
         return None;
     }
-    let n = points.len();
-    let (mut squares, mut differences) = (0.0, 0.0);
-    let mut last = distances[n - 1];
-    for &distance in distances {
-        squares += distance * distance;
-        differences += (distance - last) * (distance - last);
-        last = distance;
-    }
-    let rms = (squares / n as f64).sqrt();
+    let (squares, differences) = spread(all, false);
+    let rms = (squares / all.count as f64).sqrt();
     if EXACT * hem.p < rms && differences < WHITENESS * 2.0 * squares {
         return None;
     }
     let perimeter = hem.perimeter_to(1e-3).0;
-    let length = in_order(points, finish, perimeter, rms)?;
-    ((length / perimeter - 1.0).abs() <= LENGTH_SLACK && (finish.ascends || is_simple(hem))).then_some(length)
+    let sure = in_order(finish, perimeter, rms) && (finish.length / perimeter - 1.0).abs() <= LENGTH_SLACK;
+    (sure && (finish.ascends || is_simple(hem))).then_some(finish.length)
 }
 
-/// The outline's length along the curve's tangents, in which noise across the curve has no part; `None` if feet run back further than noise makes
-/// them, do not go round once, or leave a stretch of curve between them that no point sees.
-fn in_order(points: &[Point], finish: &Finish, perimeter: f64, rms: f64) -> Option<f64> {
-    let n = points.len();
+/// Whether feet run back no further than noise makes them, go round once, and leave no stretch of curve between them that no point sees.
+fn in_order(finish: &Finish, perimeter: f64, rms: f64) -> bool {
     let allowed = 5.5 * rms + 0.01 * perimeter;
-    let (mut turned, mut along, mut high, mut back, mut length) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0.0);
-    for i in 0..n {
-        let next = if i + 1 < n { i + 1 } else { 0 };
-        let mut turn = finish.feet[next] - finish.feet[i];
-        if PI < turn {
-            turn -= TAU;
-        } else if turn < -PI {
-            turn += TAU;
-        }
-        turned += turn;
-        let arc = 0.5 * (finish.speed[i] + finish.speed[next]) * turn;
-        let (dx, dy) = (points[next].x - points[i].x, points[next].y - points[i].y);
-        let chord = (dx * dx + dy * dy).sqrt();
-        if 0.5 * PI * chord + 6.0 * rms < arc {
-            return None;
-        }
+    let round = (finish.turned - TAU).abs() < 1e-6 && finish.excess <= 6.0 * rms;
+    // No run back is longer than all of them together.
+    round && (-allowed <= finish.back || furthest_back(&finish.arcs) <= allowed)
+}
+
+/// The longest way back from any foot to a later one, m.
+fn furthest_back(arcs: &[f64]) -> f64 {
+    let (mut along, mut high, mut back) = (0.0, 0.0_f64, 0.0_f64);
+    for arc in arcs {
         along += arc;
         high = high.max(along);
         back = back.max(high - along);
-        let (tx, ty) = (finish.tangent[i].0 + finish.tangent[next].0, finish.tangent[i].1 + finish.tangent[next].1);
-        length += (dx * tx + dy * ty) / (tx * tx + ty * ty).sqrt().max(f64::MIN_POSITIVE);
     }
-    ((turned - TAU).abs() < 1e-6 && back <= allowed).then_some(length)
+    back
 }
 
 /// Whether the curve certainly does not cross itself: each half fold stays in its wedge and goes on in one direction.

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use super::super::foot_point::{Centred, Foot, nearest_within};
-use super::kernel::{Blocks, Curve, Sums, UNKNOWNS, evaluate, farthest};
+use super::kernel::{Blocks, Curve, Sums, UNKNOWNS, evaluate, farthest, spread};
 use crate::model::hem::Hem;
-use crate::numerics::lanes::{Lanes, WIDTH};
+use crate::numerics::lanes::{Lanes, WIDTH, multiple_angle, turned};
+use crate::vectorized;
 
 /// Evaluations after which a fit that has not converged is left to the careful path.
 pub(in super::super) const LIMIT: usize = 30;
@@ -89,7 +90,8 @@ fn look_again(all: &mut Blocks, curve: &Curve) -> bool {
         return false;
     }
     let mut moved = false;
-    for i in 0..all.count {
+    // Lanes beyond the last point too, which go with the first one.
+    for i in 0..all.blocks.len() * WIDTH {
         let block = &mut all.blocks[i / WIDTH];
         let lane = i % WIDTH;
         if block.distance.0[lane].abs() < reach {
@@ -109,51 +111,70 @@ fn look_again(all: &mut Blocks, curve: &Curve) -> bool {
     if moved {
         for block in &mut all.blocks {
             block.step = Lanes::ZERO;
-            block.by = [Lanes::ZERO; UNKNOWNS];
         }
     }
     moved
 }
 
-/// A lower bound of the reach of the curve within half a fold either way, m: a point nearer to it than this has one nearest point only.
-///
-/// The reach is the least of |c(u) − c(t)|² / 2 |n(t)·(c(u) − c(t))| (Federer, Trans. Amer. Math. Soc. 93 (1959) 418–491), here over nodes.
-fn reach(hem: &Hem) -> f64 {
-    /// Nodes in half a fold, and what they may overestimate the reach by.
-    const NODES: usize = 24;
-    const SAFETY: f64 = 0.7;
-    let step = PI / (f64::from(hem.folds) * NODES as f64);
-    // Half a fold to be touched, and half a fold before and after it.
-    // e^{it} and e^{imt} go on by equal turns: no sine of their own.
-    let m = f64::from(hem.folds);
-    let ((sin_step, cos_step), (fold_sin_step, fold_cos_step)) = (step.sin_cos(), (m * step).sin_cos());
-    let (sin, cos) = (step * -(NODES as f64)).sin_cos();
-    let (mut at, mut fold) = ((cos, sin), (-1.0, 0.0));
-    let nodes: [(f64, f64, f64, f64); 3 * NODES + 1] = std::array::from_fn(|_| {
-        let ((cos, sin), (cos_fold, sin_fold)) = (at, fold);
-        let sin_lean = 2.0 * sin_fold * cos_fold;
-        let (rho, tau) = (hem.p + hem.q * cos_fold, hem.s * sin_lean);
-        let vr = -m * hem.q * sin_fold - tau;
-        let vt = rho + 2.0 * m * hem.s * (1.0 - 2.0 * sin_fold * sin_fold);
-        let slowness = 1.0 / (vr * vr + vt * vt).sqrt();
-        let (nr, nt) = (vt * slowness, -vr * slowness);
-        at = (cos * cos_step - sin * sin_step, sin * cos_step + cos * sin_step);
-        fold = (cos_fold * fold_cos_step - sin_fold * fold_sin_step, sin_fold * fold_cos_step + cos_fold * fold_sin_step);
-        (rho * cos - tau * sin, rho * sin + tau * cos, nr * cos - nt * sin, nr * sin + nt * cos)
-    });
-    let mut least = f64::INFINITY;
-    for i in NODES..=2 * NODES {
-        let (x, y, nx, ny) = nodes[i];
-        for &(u, v, _, _) in &nodes[i - NODES..=i + NODES] {
-            let (dx, dy) = (u - x, v - y);
-            let (square, away) = (dx * dx + dy * dy, 2.0 * (nx * dx + ny * dy).abs());
-            // Divided once, at the end of the comparison.
-            if square < least * away {
-                least = square / away;
+vectorized! {
+    /// A lower bound of the reach of the curve within half a fold either way, m: a point nearer to it than this has one nearest point only.
+    ///
+    /// The reach is the least of |c(u) − c(t)|² / 2 |n(t)·(c(u) − c(t))| (Federer, Trans. Amer. Math. Soc. 93 (1959) 418–491), here over nodes.
+    fn reach<V>(hem: &Hem) -> f64 {
+        /// Nodes in half a fold, and what they may overestimate the reach by.
+        const NODES: usize = 24;
+        const SAFETY: f64 = 0.7;
+        /// Registers of nodes to be touched: half a fold, and some more of the next, which is its mirror image.
+        const TOUCHED: usize = NODES / WIDTH + 1;
+        // Half a fold before those to be touched, and half a fold after them.
+        const ALL: usize = 2 * NODES + TOUCHED * WIDTH;
+        let m = f64::from(hem.folds);
+        let step = PI / (m * NODES as f64);
+        // e^{it} and e^{imt} go on by equal turns: no sine of their own.
+        let ((sin_step, cos_step), (fold_sin_step, fold_cos_step)) = (step.sin_cos(), (m * step).sin_cos());
+        let mut starts = [Lanes::ZERO; 4];
+        let (sin, cos) = (step * -(NODES as f64)).sin_cos();
+        let (mut at, mut fold) = ((cos, sin), (-1.0, 0.0));
+        for lane in 0..WIDTH {
+            (starts[0].0[lane], starts[1].0[lane], starts[2].0[lane], starts[3].0[lane]) = (at.0, at.1, fold.0, fold.1);
+            at = (at.0 * cos_step - at.1 * sin_step, at.1 * cos_step + at.0 * sin_step);
+            fold = (fold.0 * fold_cos_step - fold.1 * fold_sin_step, fold.1 * fold_cos_step + fold.0 * fold_sin_step);
+        }
+        let constant = |(a, b): (f64, f64)| (V::all(a), V::all(b));
+        let (ahead, fold_ahead) = (multiple_angle(WIDTH as u32, constant((cos_step, sin_step))), multiple_angle(WIDTH as u32, constant((fold_cos_step, fold_sin_step))));
+        let [mut x, mut y] = [[0.0; ALL]; 2];
+        let mut normals = [(V::zero(), V::zero()); ALL / WIDTH];
+        let (mut at, mut fold) = ((V::of(&starts[0]), V::of(&starts[1])), (V::of(&starts[2]), V::of(&starts[3])));
+        for k in 0..ALL / WIDTH {
+            let twice = fold.1 + fold.1;
+            let (rho, tau) = (fold.0 * hem.q + hem.p, twice * fold.0 * hem.s);
+            let (vr, vt) = (-(fold.1 * (m * hem.q)) - tau, rho + twice.neg_mul_add(fold.1, V::all(1.0)) * (2.0 * m * hem.s));
+            let slowness = V::all(1.0) / vr.mul_add(vr, vt * vt).sqrt();
+            let (px, py) = turned(at, (rho, tau));
+            x[k * WIDTH..][..WIDTH].copy_from_slice(&px.lanes().0);
+            y[k * WIDTH..][..WIDTH].copy_from_slice(&py.lanes().0);
+            normals[k] = turned(at, (vt * slowness, -(vr * slowness)));
+            (at, fold) = (turned(at, ahead), turned(fold, fold_ahead));
+        }
+        // The least quotient is divided once, at the end of the comparison.
+        let mut squares = [V::all(f64::INFINITY); TOUCHED];
+        let mut aways = [V::all(1.0); TOUCHED];
+        for offset in 0..=2 * NODES {
+            for k in 0..TOUCHED {
+                let (first, normal) = (NODES + k * WIDTH, normals[NODES / WIDTH + k]);
+                let (dx, dy) = (V::read(&x[first + offset - NODES..]) - V::read(&x[first..]), V::read(&y[first + offset - NODES..]) - V::read(&y[first..]));
+                let (square, away) = (dx.mul_add(dx, dy * dy), normal.0.mul_add(dx, normal.1 * dy).abs());
+                let (new, old) = (square * aways[k], squares[k] * away);
+                squares[k] = V::choose(new, old, square, squares[k]);
+                aways[k] = V::choose(new, old, away, aways[k]);
             }
         }
+        let mut least = f64::INFINITY;
+        for k in 0..TOUCHED {
+            least = (squares[k] / aways[k]).lanes().0.into_iter().fold(least, f64::min);
+        }
+        0.5 * SAFETY * least
     }
-    SAFETY * least
 }
 
 fn descend(all: &mut Blocks, start: &Curve, wish: &Wish, mut damping: f64, evaluations: &mut usize) -> Ended {
@@ -259,7 +280,7 @@ fn rounding(curve: &Curve) -> f64 {
 /// The noise in the corrected distances: their mean square with its degrees of freedom, or that of their differences along the outline if it is
 /// less (von Neumann, Annals of Mathematical Statistics 12 (1941) 367–395): a smooth misfit is not noise.
 pub(super) fn noise_variance_of(all: &Blocks) -> f64 {
-    let (squares, differences) = super::kernel::spread(all);
+    let (squares, differences) = spread(all, true);
     let n = all.count as f64;
     (squares / (n - UNKNOWNS as f64)).min(0.5 * differences / n)
 }
@@ -279,7 +300,10 @@ impl Curve {
 /// A lower triangle L with LLᵀ the scaled matrix, and the scales.
 #[derive(Clone, Copy)]
 pub(super) struct Triangle {
+    /// Below the diagonal.
     lower: [[f64; UNKNOWNS]; UNKNOWNS],
+    /// One over the diagonal.
+    pivots: [f64; UNKNOWNS],
     scale: [f64; UNKNOWNS],
 }
 
@@ -293,7 +317,7 @@ pub(super) fn cholesky(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], damping: f64) -> Op
         }
         scale[i] = 1.0 / matrix[i][i].sqrt();
     }
-    let mut lower = [[0.0; UNKNOWNS]; UNKNOWNS];
+    let (mut lower, mut pivots) = ([[0.0; UNKNOWNS]; UNKNOWNS], [0.0; UNKNOWNS]);
     for i in 0..UNKNOWNS {
         for j in 0..=i {
             let mut sum = matrix[i][j] * scale[i] * scale[j] + if i == j { damping } else { 0.0 };
@@ -305,13 +329,13 @@ pub(super) fn cholesky(matrix: &[[f64; UNKNOWNS]; UNKNOWNS], damping: f64) -> Op
                 if sum < 1e-10 {
                     return None;
                 }
-                lower[i][i] = sum.sqrt();
+                pivots[i] = 1.0 / sum.sqrt();
             } else {
-                lower[i][j] = sum / lower[j][j];
+                lower[i][j] = sum * pivots[j];
             }
         }
     }
-    Some(Triangle { lower, scale })
+    Some(Triangle { lower, pivots, scale })
 }
 
 impl Triangle {
@@ -324,14 +348,14 @@ impl Triangle {
             for k in 0..i {
                 sum -= self.lower[i][k] * step[k];
             }
-            step[i] = sum / self.lower[i][i];
+            step[i] = sum * self.pivots[i];
         }
         for i in (0..UNKNOWNS).rev() {
             let mut sum = step[i];
             for k in i + 1..UNKNOWNS {
                 sum -= self.lower[k][i] * step[k];
             }
-            step[i] = sum / self.lower[i][i];
+            step[i] = sum * self.pivots[i];
         }
         for i in 0..UNKNOWNS {
             step[i] *= self.scale[i];

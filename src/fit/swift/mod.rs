@@ -111,9 +111,9 @@ fn certified(points: &[Point], blocks: &mut Blocks, optimum: &Optimum, options: 
         }
     };
     let sums = sums.as_ref().unwrap_or(&optimum.sums);
-    let distances = blocks.each(|block| block.distance);
     let finish = kernel::finish(blocks, &curve);
-    let length = certificate::outline_length(points, &curve.hem, &distances, &finish)?;
+    let length = certificate::outline_length(blocks, &curve.hem, &finish)?;
+    let distances = blocks.each(|block| block.distance);
     let known = Known { inverse: cholesky(&sums.normal, 0.0)?.inverse(), square: sums.corrected };
     let trial = |curve: &Curve, square: f64, evaluations: usize, feet: Vec<f64>, distances: Vec<f64>| {
         let placement = Placement { x0: blocks.origin.x + curve.x0, y0: blocks.origin.y + curve.y0, phase: curve.sin.atan2(curve.cos) };

@@ -6,7 +6,7 @@
 use super::kernel::{Blocks, Curve};
 use crate::experiment::Point;
 use crate::model::hem::Hem;
-use crate::numerics::lanes::{Lanes, WIDTH, multiple_angle, turned};
+use crate::numerics::lanes::{WIDTH, multiple_angle, turned};
 use crate::vectorized;
 
 /// Least ratio of the mean square of the harmonic 3m to what it and the first leave for it to be believed.
@@ -127,16 +127,16 @@ vectorized! {
         let mut mean = V::zero();
         for (index, block) in all.blocks.iter().enumerate() {
             let (x, y) = (V::of(&block.x), V::of(&block.y));
-            mean = mean + V::of(&all.live(index)) * (x * x + y * y).sqrt();
+            mean = V::of(&all.live(index)).mul_add(x.mul_add(x, y * y).sqrt(), mean);
         }
         let mean = mean.sum() / n;
         let mut square = V::zero();
         let mut sums = vec![(V::zero(), V::zero()); highest as usize];
         for (index, block) in all.blocks.iter().enumerate() {
             let (x, y) = (V::of(&block.x), V::of(&block.y));
-            let radius = (x * x + y * y).sqrt();
+            let radius = x.mul_add(x, y * y).sqrt();
             let departure = V::of(&all.live(index)) * (radius - mean);
-            square = square + departure * departure;
+            square = departure.mul_add(departure, square);
             let inverse = V::all(1.0) / radius;
             let unit = (x * inverse, y * inverse);
             let mut power = (departure * unit.0, departure * unit.1);
@@ -169,29 +169,27 @@ vectorized! {
         let mut bare = [V::zero(); 4];
         let blocks = &all.blocks;
         // Lanes beyond the last point hold the first one again.
-        let end = (all.count - 1) % WIDTH;
-        let mut before = (blocks[blocks.len() - 1].x.0[end], blocks[blocks.len() - 1].y.0[end]);
+        let (head, rear, end) = (&blocks[0], &blocks[blocks.len() - 1], (all.count - 1) % WIDTH);
+        let mut before = (V::all(rear.x.0[end]), V::all(rear.y.0[end]));
         for (index, block) in blocks.iter().enumerate() {
-            let next = blocks.get(index + 1).unwrap_or(&blocks[0]);
-            let after = (shifted_back(&block.x, next.x.0[0]), shifted_back(&block.y, next.y.0[0]));
-            let behind = (shifted_on(&block.x, before.0), shifted_on(&block.y, before.1));
-            before = (block.x.0[WIDTH - 1], block.y.0[WIDTH - 1]);
+            let next = blocks.get(index + 1).unwrap_or(head);
             let (x, y) = (V::of(&block.x), V::of(&block.y));
-            let chord = (V::of(&after.0) - V::of(&behind.0), V::of(&after.1) - V::of(&behind.1));
-            let squared = x * x + y * y;
+            let chord = (x.followed(V::of(&next.x)) - x.preceded(before.0), y.followed(V::of(&next.y)) - y.preceded(before.1));
+            before = (x, y);
+            let squared = x.mul_add(x, y * y);
             let radius = squared.sqrt();
             let inverse = V::all(1.0) / radius;
-            let weight = V::of(&all.live(index)) * ((x * chord.1 - y * chord.0) * (inverse * inverse));
+            let weight = V::of(&all.live(index)) * (x.mul_sub(chord.1, y * chord.0) * (inverse * inverse));
             let first = multiple_angle(folds, (x * inverse, y * inverse));
             let third = turned(turned(first, first), first);
             let heavy = weight * radius;
             turn = turn + weight;
             mean = mean + heavy;
-            square = square + weight * squared;
+            square = weight.mul_add(squared, square);
             let waves = [first.0, first.1, third.0, third.1];
             for k in 0..4 {
-                sums[k] = sums[k] + heavy * waves[k];
-                bare[k] = bare[k] + weight * waves[k];
+                sums[k] = heavy.mul_add(waves[k], sums[k]);
+                bare[k] = weight.mul_add(waves[k], bare[k]);
             }
         }
         let turn = turn.sum();
@@ -203,18 +201,4 @@ vectorized! {
         let [a, b, c, d] = amplitudes;
         Turned { mean, variance: square.sum() / turn - mean * mean, first: (a, b), third: (c, d) }
     }
-}
-
-/// Each lane's follower.
-#[inline(always)]
-fn shifted_back(lanes: &Lanes, last: f64) -> Lanes {
-    let [_, b, c, d, e, f, g, h] = lanes.0;
-    Lanes([b, c, d, e, f, g, h, last])
-}
-
-/// Each lane's forerunner.
-#[inline(always)]
-fn shifted_on(lanes: &Lanes, first: f64) -> Lanes {
-    let [a, b, c, d, e, f, g, _] = lanes.0;
-    Lanes([first, a, b, c, d, e, f, g])
 }

@@ -1,7 +1,8 @@
 //! Eight numbers at a time: the same bits whichever vector instructions a machine has.
 //!
-//! Every operation is the plain IEEE one on each lane, nothing is fused, and sums are taken in one fixed order. [`Lanes`] is how eight numbers lie in
-//! memory; a kernel is written once over [`Vector`] and compiled for each kind of register ([`vectorized!`](crate::vectorized)).
+//! Every operation is the plain IEEE one on each lane, products are fused with sums only where the kernel says so ([`Vector::mul_add`]), and sums are
+//! taken in one fixed order. [`Lanes`] is how eight numbers lie in memory; a kernel is written once over [`Vector`] and compiled for each kind of
+//! register ([`vectorized!`](crate::vectorized)).
 
 #[cfg(target_arch = "x86_64")]
 pub mod registers;
@@ -43,6 +44,45 @@ pub trait Vector:
 
     /// Lane by lane `yes` where `low` is less than `high`, else `no`.
     fn choose(low: Self, high: Self, yes: Self, no: Self) -> Self;
+
+    /// `self · factor + plus`, rounded once.
+    ///
+    /// A machine without such an instruction computes it by a function of the system's: slowly, but to the same bits.
+    fn mul_add(self, factor: Self, plus: Self) -> Self;
+
+    /// `self · factor − minus`, rounded once.
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, minus: Self) -> Self {
+        self.mul_add(factor, -minus)
+    }
+
+    /// `plus − self · factor`, rounded once.
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, plus: Self) -> Self {
+        (-self).mul_add(factor, plus)
+    }
+
+    /// Each lane's follower: all lanes but the first, then the first of `next`.
+    #[inline(always)]
+    fn followed(self, next: Self) -> Self {
+        let (Lanes([_, b, c, d, e, f, g, h]), Lanes([first, ..])) = (self.lanes(), next.lanes());
+        Self::of(&Lanes([b, c, d, e, f, g, h, first]))
+    }
+
+    /// Each lane's forerunner: the last of `before`, then all lanes but the last.
+    #[inline(always)]
+    fn preceded(self, before: Self) -> Self {
+        let (Lanes([a, b, c, d, e, f, g, _]), Lanes([.., last])) = (self.lanes(), before.lanes());
+        Self::of(&Lanes([last, a, b, c, d, e, f, g]))
+    }
+
+    /// The first eight of `values`.
+    #[inline(always)]
+    fn read(values: &[f64]) -> Self {
+        let mut lanes = Lanes::ZERO;
+        lanes.0.copy_from_slice(&values[..WIDTH]);
+        Self::of(&lanes)
+    }
 
     /// Zero in every lane.
     #[inline(always)]
@@ -127,6 +167,11 @@ impl Vector for Lanes {
     fn choose(low: Lanes, high: Lanes, yes: Lanes, no: Lanes) -> Lanes {
         Lanes(std::array::from_fn(|lane| if low.0[lane] < high.0[lane] { yes.0[lane] } else { no.0[lane] }))
     }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Lanes, plus: Lanes) -> Lanes {
+        Lanes(std::array::from_fn(|lane| self.0[lane].mul_add(factor.0[lane], plus.0[lane])))
+    }
 }
 
 macro_rules! lane_by_lane {
@@ -190,24 +235,25 @@ pub fn multiple_angle<V: Vector>(k: u32, (cos, sin): (V, V)) -> (V, V) {
 /// (cos, sin) of the sum of two angles.
 #[inline(always)]
 pub fn turned<V: Vector>((a, b): (V, V), (c, d): (V, V)) -> (V, V) {
-    (a * c - b * d, a * d + b * c)
+    (a.mul_sub(c, b * d), a.mul_add(d, b * c))
 }
 
 #[inline(always)]
 fn doubled<V: Vector>((cos, sin): (V, V)) -> (V, V) {
-    (cos * cos - sin * sin, (cos * sin) * 2.0)
+    (cos.mul_sub(cos, sin * sin), (cos + cos) * sin)
 }
 
 /// Runs `$body` in the widest registers that this machine has.
 ///
 /// `vectorized! { fn name<V>(argument: Type, …) -> Type { body } }`; V is the [`Vector`](crate::numerics::lanes::Vector) of the registers. The body is
-/// compiled three times, and gives the same bits each time, because no operation is fused or reordered.
+/// compiled three times, and gives the same bits each time, because nothing is fused or reordered that is not so written.
 #[macro_export]
 macro_rules! vectorized {
     ($(#[$meta:meta])* $visibility:vis fn $name:ident<$vector:ident>($($argument:ident: $kind:ty),* $(,)?) -> $result:ty $body:block) => {
         $(#[$meta])*
         $visibility fn $name($($argument: $kind),*) -> $result {
             #[inline(always)]
+            #[allow(clippy::extra_unused_type_parameters)] // A body may leave it to the compiler to fill the registers.
             fn on<$vector: $crate::numerics::lanes::Vector>($($argument: $kind),*) -> $result $body
 
             #[cfg(target_arch = "x86_64")]
@@ -217,7 +263,7 @@ macro_rules! vectorized {
                 fn widest($($argument: $kind),*) -> $result {
                     on::<Single512>($($argument),*)
                 }
-                #[target_feature(enable = "avx2")]
+                #[target_feature(enable = "avx2,fma")]
                 fn wide($($argument: $kind),*) -> $result {
                     on::<Pair256>($($argument),*)
                 }
@@ -225,7 +271,7 @@ macro_rules! vectorized {
                     // SAFETY: the machine has just been asked for these instructions.
                     return unsafe { widest($($argument),*) };
                 }
-                if is_x86_feature_detected!("avx2") {
+                if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                     // SAFETY: the machine has just been asked for these instructions.
                     return unsafe { wide($($argument),*) };
                 }
@@ -252,31 +298,94 @@ mod tests {
         }
     }
 
+    /// Every operation of [`Vector`], some of them often enough for a rounding to show.
+    #[inline(always)]
+    fn every_operation<V: Vector>(x: V) -> V {
+        let mut sum = V::zero();
+        for i in 0..100 {
+            let y = (x * f64::from(i) + 0.1).sqrt() / (x.abs() + V::all(0.3)) - 1.0;
+            let (cos, sin) = multiple_angle(7, (y.within(0.8), -y));
+            sum = sum + cos.where_above(V::all(0.1), sin).max(y - x);
+            sum = y.mul_add(x, sum) + x.mul_sub(x, y) - y.neg_mul_add(y, x);
+            sum = sum.followed(y) * 0.5 + x.preceded(sum) * 0.25;
+        }
+        sum + sum.sum() + V::read(&sum.lanes().0).greatest()
+    }
+
+    const TRIED: [Lanes; 3] = [
+        Lanes([0.1, 0.2, 0.3, 0.7, 1.9, 2.3, 5.5, 7.1]),
+        Lanes([-0.0, 0.0, -1.0, 3.0, 1e-300, -1e-300, 1e100, 2.0]),
+        Lanes([-0.0, 0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-300]),
+    ];
+
+    /// A NaN is a NaN whatever its sign.
+    fn bits(v: Lanes) -> [u64; WIDTH] {
+        v.0.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() })
+    }
+
     #[test]
     fn wide_instructions_give_the_same_bits_as_plain_ones() {
-        #[inline(always)]
-        fn every_operation<V: Vector>(x: V) -> V {
-            let mut sum = V::zero();
-            for i in 0..100 {
-                let y = (x * f64::from(i) + 0.1).sqrt() / (x.abs() + V::all(0.3)) - 1.0;
-                let (cos, sin) = multiple_angle(7, (y.within(0.8), -y));
-                sum = sum + cos.where_above(V::all(0.1), sin).max(y - x);
-            }
-            sum
-        }
         vectorized! {
             fn wide<V>(x: &Lanes) -> Lanes {
                 every_operation(V::of(x)).lanes()
             }
         }
-        for x in [
-            Lanes([0.1, 0.2, 0.3, 0.7, 1.9, 2.3, 5.5, 7.1]),
-            Lanes([-0.0, 0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-300]),
-        ] {
-            let (plain, wide) = (every_operation(x).0, wide(&x).0);
-            // A NaN is a NaN whatever its sign.
-            let bits = |v: [f64; WIDTH]| v.map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() });
+        for x in TRIED {
+            let (plain, wide) = (every_operation(x), wide(&x));
             assert_eq!(bits(plain), bits(wide), "{plain:?} {wide:?}");
         }
+    }
+
+    /// On a machine with wider ones too.
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn pairs_of_registers_give_the_same_bits_as_plain_numbers() {
+        #[target_feature(enable = "avx2,fma")]
+        fn pairs(x: &Lanes) -> Lanes {
+            every_operation(registers::Pair256::of(x)).lanes()
+        }
+        if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")) {
+            println!("not tried: this machine has no AVX2 with fused products");
+            return;
+        }
+        for x in TRIED {
+            // SAFETY: the machine has just been asked for these instructions.
+            let (plain, pairs) = (every_operation(x), unsafe { pairs(&x) });
+            assert_eq!(bits(plain), bits(pairs), "{plain:?} {pairs:?}");
+        }
+    }
+
+    #[test]
+    fn operations_lane_by_lane_are_those_of_single_numbers() {
+        vectorized! {
+            fn each<V>(x: &Lanes, y: &Lanes, z: &Lanes) -> [Lanes; 8] {
+                let (x, y, z) = (V::of(x), V::of(y), V::of(z));
+                [
+                    x.mul_add(y, z).lanes(),
+                    x.mul_sub(y, z).lanes(),
+                    x.neg_mul_add(y, z).lanes(),
+                    x.followed(y).lanes(),
+                    x.preceded(y).lanes(),
+                    x.max(y).lanes(),
+                    x.within(0.5).lanes(),
+                    V::all(x.sum()).lanes(),
+                ]
+            }
+        }
+        let third = 1.0 / 3.0;
+        // Products that cancel but for what one rounding keeps of them; zeros and NaN for the order of comparisons.
+        let x = Lanes([third, 0.1, -0.3, 7.0, 0.0, -0.0, f64::NAN, 1.0]);
+        let y = Lanes([3.0, 10.0, 1.0, third, -0.0, 0.0, 1.0, f64::NAN]);
+        let z = Lanes([-1.0, 1.0, 0.3, -7.0, 0.0, 0.0, 1.0, 1.0]);
+        let [sum, difference, rest, followed, preceded, greater, held, total] = each(&x, &y, &z);
+        let single = |f: &dyn Fn(f64, f64, f64) -> f64| Lanes(std::array::from_fn(|lane| f(x.0[lane], y.0[lane], z.0[lane])));
+        assert_eq!(bits(sum), bits(single(&|x, y, z| x.mul_add(y, z))));
+        assert_eq!(bits(difference), bits(single(&|x, y, z| x.mul_add(y, -z))));
+        assert_eq!(bits(rest), bits(single(&|x, y, z| (-x).mul_add(y, z))));
+        assert_eq!(bits(followed), bits(Lanes(std::array::from_fn(|lane| if lane < 7 { x.0[lane + 1] } else { y.0[0] }))));
+        assert_eq!(bits(preceded), bits(Lanes(std::array::from_fn(|lane| if 0 < lane { x.0[lane - 1] } else { y.0[7] }))));
+        assert_eq!(bits(greater), bits(single(&|x, y, _| if y < x { x } else { y })));
+        assert_eq!(bits(held), bits(single(&|x, _, _| x.clamp(-0.5, 0.5))));
+        assert!(total.0[0].is_nan());
     }
 }
