@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, LazyLock};
 
+use hemline::experiment::campaign::Language;
 use hemline::import::{self, Imported};
 use hemline::report::gallery::{self, Gallery};
+use hemline::report::in_language;
 use hemline::report::kinds::{KINDS, Needs, Of, Subject};
 use hemline::report::picture::{self, Form};
 use hemline::study::campaign::{CampaignStudy, Measured, analyse};
@@ -38,14 +40,22 @@ fn shipped(keep: impl Fn(usize) -> bool) -> Measured {
     measured
 }
 
+static STUDY: LazyLock<CampaignStudy> = LazyLock::new(|| analyse(shipped(|_| true), &|| ()));
+
 /// All figures of the shipped campaign.
-static GALLERY: LazyLock<Gallery> = LazyLock::new(|| gallery::draw(&analyse(shipped(|_| true), &|| ())).unwrap());
+static GALLERY: LazyLock<Gallery> = LazyLock::new(|| gallery::draw(&STUDY).unwrap());
+
+/// The figures of a study in Russian, whose words are longer.
+fn in_russian(figures: &Gallery, study: &CampaignStudy) -> Gallery {
+    figures.iter().map(|(stem, svg)| (stem.clone(), in_language(svg, study, Language::Russian))).collect()
+}
 
 // ------------------------------------------------------------------------------------------------------------------------------------ labels
 
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     let mut fonts = fontdb::Database::new();
-    for data in [dejavu::sans::regular(), dejavu::sans::bold(), dejavu::sans::oblique()] {
+    let condensed = [dejavu::sans_condensed::regular(), dejavu::sans_condensed::bold()];
+    for data in [dejavu::sans::regular(), dejavu::sans::bold(), dejavu::sans::oblique()].into_iter().chain(condensed) {
         fonts.load_font_source(fontdb::Source::Binary(Arc::new(data)));
     }
     Arc::new(fonts)
@@ -138,6 +148,15 @@ fn no_label_of_the_shipped_campaign_lies_on_another_or_leaves_its_sheet() {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
+#[test]
+fn no_label_in_russian_lies_on_another_or_leaves_its_sheet() {
+    let figures = in_russian(&GALLERY, &STUDY);
+    let said = figures.values().flat_map(|svg| labels(svg).2).filter(|label| label.text.chars().any(|c| ('а'..='я').contains(&c))).count();
+    assert!(1000 < said, "{said} labels with Russian words");
+    let faults = all_faults(&figures);
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
 /// The texts of a drawing with the places of their x and y: (whole tag from `<text`, x, y) in grid steps.
 fn tags(svg: &str) -> Vec<(&str, f64, f64)> {
     let number = |tag: &str, name: &str| tag.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
@@ -182,9 +201,11 @@ fn campaigns_of_two_factors_of_one_run_and_of_no_factor_have_room_for_their_labe
     none.campaign.design.factors.clear();
     none.campaign.design.runs.iter_mut().for_each(|run| run.levels.clear());
     for (name, campaign, some) in [("two", two, "regression_q_mm_main_effects"), ("one", one, "symbols"), ("none", none, "theory_gap")] {
-        let figures = gallery::draw(&analyse(campaign, &|| ())).unwrap();
+        let study = analyse(campaign, &|| ());
+        let figures = gallery::draw(&study).unwrap();
         assert!(figures.contains_key(some), "{name}: {:?}", figures.keys());
-        let faults = all_faults(&figures);
+        let russian = in_russian(&figures, &study);
+        let faults = all_faults(figures.iter().chain(&russian));
         assert!(faults.is_empty(), "{name}: {} faults:\n{}", faults.len(), faults.join("\n"));
     }
 }
@@ -207,8 +228,8 @@ const GOLDEN: [&str; 12] = [
     "regression_q_mm_interactions",
 ];
 
-/// Dots per inch of the golden pictures: two dots to the millimetre show where a label stands.
-const DPI: f64 = 50.8;
+/// Dots per inch of the golden pictures: three dots to the millimetre show where the thinnest letter stands.
+const DPI: f64 = 76.2;
 
 /// A grey picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -236,9 +257,9 @@ fn decoded(bytes: &[u8]) -> Picture {
 /// elsewhere has not.
 fn strays(a: &Picture, b: &Picture) -> usize {
     assert_eq!((a.width, a.levels.len()), (b.width, b.levels.len()), "the pictures differ in size");
-    // The thinnest letter in the lightest colour of type makes its dots darker by a quarter of the scale; an edge that is rounded
-    // otherwise, by a twentieth.
-    const LIKE: u8 = 60;
+    // The rasterizer counts an edge in quarters of a dot, so one that is rounded otherwise changes a dot by a quarter of the scale, 64 levels; the thinnest
+    // letter in the lightest colour of type makes its dots darker by more than 80.
+    const LIKE: u8 = 72;
     let (width, height) = (a.width, a.levels.len() / a.width);
     let near = |i: usize, j: usize, other: &Picture, level: u8| {
         let (rows, columns) = (i.saturating_sub(1)..=(i + 1).min(height - 1), j.saturating_sub(1)..=(j + 1).min(width - 1));
@@ -292,21 +313,34 @@ fn golden_pictures_are_small() {
 
 #[test]
 fn a_label_that_is_moved_by_two_millimetres_makes_another_picture_and_soft_edges_do_not() {
-    // Not in pattern_1: its labels of one thin coloured letter are too faint at this size.
-    for stem in ["hem_7", "regression_q_mm_pareto", "regression_q_mm_interactions"] {
+    let proof = |stem: &str| {
         let svg = &GALLERY[stem];
         let known = picture(svg);
+        let mut faults = vec![];
         for (i, tag) in tags(svg).into_iter().enumerate() {
             let strays = strays(&picture(&moved(svg, tag, (0.0, 2.0))), &known);
-            assert!(MOST_STRAYS < strays, "{stem}: label {i} ({}) moved, {strays} dots differ", tag.0);
+            if strays <= MOST_STRAYS {
+                faults.push(format!("{stem}: label {i} ({}) moved, {strays} dots differ", tag.0));
+            }
         }
-        // All by a quarter of a step of the drawing's grid, six thousandths of a millimetre: every soft edge falls a little otherwise.
+        // All by half a step of the drawing's grid, twelve thousandths of a millimetre: every soft edge falls a little otherwise.
         let (head, body) = svg.split_at(svg.find('>').unwrap() + 1);
-        let shifted = format!("{head}<g transform=\"translate(0.25 0.25)\">{}</g></svg>", body.trim_end().trim_end_matches("</svg>"));
+        let shifted = format!("{head}<g transform=\"translate(0.5 0.5)\">{}</g></svg>", body.trim_end().trim_end_matches("</svg>"));
         let edges = picture(&shifted);
-        assert!(edges != known, "nothing was shifted");
-        assert!(strays(&edges, &known) <= MOST_STRAYS, "{stem}: {} dots differ", strays(&edges, &known));
-    }
+        if edges == known {
+            faults.push(format!("{stem}: nothing was shifted"));
+        }
+        let strays = strays(&edges, &known);
+        if MOST_STRAYS < strays {
+            faults.push(format!("{stem}: {strays} dots differ where only edges fell otherwise"));
+        }
+        faults
+    };
+    let faults: Vec<String> = std::thread::scope(|scope| {
+        let proofs = GOLDEN.map(|stem| scope.spawn(move || proof(stem)));
+        proofs.into_iter().flat_map(|proof| proof.join().unwrap()).collect()
+    });
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
 // ------------------------------------------------------------------------------------------------------------------------------- hemline plot

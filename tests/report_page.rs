@@ -114,6 +114,57 @@ fn the_page_needs_nothing_but_itself() {
 }
 
 #[test]
+fn a_page_of_six_hundred_runs_stays_below_ten_megabytes_and_says_what_it_leaves_out() {
+    let mut study = SHIPPED.clone();
+    for copy in 1..15 {
+        for original in &SHIPPED.runs {
+            let mut run = original.clone();
+            run.run.id = format!("{}-{copy}", run.run.id);
+            for row in SHIPPED.identified.iter().filter(|row| row.run == original.run.id) {
+                let mut row = row.clone();
+                row.run.clone_from(&run.run.id);
+                study.identified.push(row);
+            }
+            for row in SHIPPED.fidelities.iter().filter(|row| row.run == original.run.id) {
+                let mut row = row.clone();
+                row.run.clone_from(&run.run.id);
+                study.fidelities.push(row);
+            }
+            study.campaign.design.runs.push(run.run.clone());
+            study.runs.push(run);
+        }
+    }
+    let html = english(&study);
+    println!("600 runs: {} bytes", html.len());
+    assert!(html.len() < 10_000_000, "{} bytes", html.len());
+    let data = embedded(&html);
+    assert_eq!(data["runs"].as_array().unwrap().len(), 600);
+    assert!(data["facts"].to_string().contains("candidates.csv"), "{}", data["facts"]);
+    assert!(data["tables"].as_array().unwrap().iter().all(|table| table["id"] != "candidates"));
+    // One of forty shows everything and says nothing of it.
+    let all = embedded(&english(&SHIPPED));
+    assert!(!all["facts"].to_string().contains("candidates.csv"));
+    assert!(all["tables"].as_array().unwrap().iter().any(|table| table["id"] == "candidates"));
+}
+
+#[test]
+fn the_page_has_the_rigidity_that_every_hem_tells() {
+    let data = embedded(&english(&SHIPPED));
+    let parts = data["theory"]["parts"].as_array().unwrap();
+    let cloth = parts.iter().find(|part| part["title"] == "Cloth from its drape").unwrap();
+    let rows = cloth["table"]["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), SHIPPED.runs.len());
+    let first = SHIPPED.identified.iter().find(|row| row.found.is_ok()).unwrap();
+    let (found, row) = (first.found.as_ref().unwrap(), rows.iter().find(|row| row[0] == first.run.as_str()).unwrap());
+    let column = if first.through.name() == "graded" { 2 } else { 6 };
+    let shown = row[column][1].as_f64().unwrap();
+    // Three digits are shown, in µN·m.
+    assert!((shown / (1e6 * found.rigidity.value) - 1.0).abs() < 0.005, "{row}");
+    let table = data["tables"].as_array().unwrap().iter().find(|table| table["id"] == "identify").unwrap();
+    assert_eq!(table["table"]["rows"].as_array().unwrap().len(), SHIPPED.identified.len());
+}
+
+#[test]
 fn the_same_study_gives_the_same_bytes() {
     assert!(english(&SHIPPED) == english(&SHIPPED));
 }

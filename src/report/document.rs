@@ -1,7 +1,7 @@
 //! The report as a document: what the template shows, in words and rounded numbers.
 
 pub(super) mod beyond;
-mod cloth;
+pub(super) mod cloth;
 mod exhibits;
 pub mod irregular;
 pub(super) mod regression;

@@ -8,6 +8,7 @@ mod overview;
 mod packed;
 mod response;
 mod run;
+mod shared;
 mod surface;
 mod table;
 mod tables;
@@ -41,9 +42,6 @@ const SCRIPT: [&str; 8] = [
 ];
 const PROGRAM: &str = concat!("hemline ", env!("CARGO_PKG_VERSION"));
 
-/// Curves are sent to this place, m: a hundredth of a millimetre is less than a screen or an outline resolves.
-const STEP: f64 = 0.01 * MILLIMETRE;
-
 /// Keys below which nothing is translated: names for the script, the language and its decimal sign.
 const VERBATIM: [&str; 4] = ["id", "key", "language", "decimal"];
 
@@ -54,6 +52,7 @@ pub fn html(study: &CampaignStudy, options: &Options, translator: &Translator) -
     shown["language"] = json!(options.language.code());
     shown["decimal"] = json!(if options.language == Language::English { "." } else { "," });
     translator.value(&mut shown, &VERBATIM);
+    shared::shared(&mut shown);
     let data = in_script(&shown.to_string());
     let nonce = digest(&data);
     let date = provenance.date.map(|date| format!(" · {date}")).unwrap_or_default();
@@ -127,8 +126,9 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
     let summary = story::summary(study);
     let sentences = |key: &str| summary[key].as_array().into_iter().flatten().filter_map(Value::as_str).map(here).collect::<Vec<_>>();
     let part = |title: &str, key: &str| json!({ "title": title, "items": sentences(key) });
-    let facts: Vec<[String; 2]> = document::facts(study, provenance).into_iter().map(|[name, value]| [name, here(&value)]).collect();
     let detail = run::Detail::of(study.runs.len());
+    let facts = document::facts(study, provenance).into_iter().map(|[name, value]| [name, here(&value)]);
+    let facts: Vec<[String; 2]> = facts.chain(detail.said().map(|said| ["This page".into(), said])).collect();
     let scales = surface::scales(study, &detail.surface);
     let theory = theory::chapter(study);
     json!({
@@ -136,8 +136,8 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "decimal": ".",
         "apparatus": document::apparatus(study.campaign.apparatus),
         "words": said,
-        "step": STEP / MILLIMETRE,
-        "space_step": surface::STEP / MILLIMETRE,
+        "step": detail.step / MILLIMETRE,
+        "space_step": detail.coarse * surface::STEP / MILLIMETRE,
         "summary": [
             part("What was measured", "measured"),
             part("What was found", "found"),
@@ -155,6 +155,6 @@ fn data(study: &CampaignStudy, provenance: &Provenance) -> Value {
         "beyond": response::beyond(&beyond::chapter(study), study),
         "theory_missing": if theory.is_null() { document::theory::missing(study) } else { vec![] },
         "theory": theory,
-        "tables": tables::all(study, provenance),
+        "tables": tables::all(study, provenance, detail.long_tables),
     })
 }

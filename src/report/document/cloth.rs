@@ -7,6 +7,11 @@ use crate::study::campaign::CampaignStudy;
 use crate::study::identify::{Agreement, Identified, Through, agreement};
 use crate::units::{MICRONEWTON_METRE, MILLIMETRE};
 
+/// What the numbers are, for the page; the template says the same.
+pub const ABOUT: &str = "The other way round: weight and cut are known, the hem is measured, and the flexural rigidity is the one whose hem of as many folds, \
+                         in equilibrium, has the measured coefficients of the tangent angle. Standard errors are those of the hem’s own scatter; what the theory \
+                         neglects is in the factor to the known rigidity, not in them.";
+
 /// `null` where no cloth was identified.
 pub fn chapter(study: &CampaignStudy) -> Value {
     let rows = &study.identified;

@@ -52,9 +52,46 @@ fn lengths(area: &sheet::Area<'_>, column: usize, name: &str, unit: &str, pairs:
     // The run that the theory misses by most is named.
     let worst = pairs.iter().max_by(|a, b| (a.predicted - a.fitted).abs().total_cmp(&(b.predicted - b.fitted).abs()));
     if let Some(pair) = worst {
-        sheet::name_run(&mut axes, &pair.run, (pair.fitted, pair.predicted), range, pair.fitted < pair.predicted)?;
+        named(&mut axes, pair, pairs, range)?;
     }
     Ok(())
+}
+
+/// Names a run where no other mark lies, on the far side from the 1:1 line if that is free; with a thin line to its mark where that is not the nearest.
+fn named(axes: &mut sheet::Chart<'_, '_>, pair: &Pair, pairs: &[Pair], range: (f64, f64)) -> Drawn {
+    let scale = (WIDTH / 3.0 - 15.0) / (range.1 - range.0);
+    // On the sheet, mm from the lower left corner of the plot, up.
+    let place = |p: &Pair| (scale * (p.fitted - range.0), scale * (p.predicted - range.0));
+    let (side, (x, y)) = (scale * (range.1 - range.0), place(pair));
+    let text = format!("run {}", sheet::shortened(&pair.run, 10));
+    // Half a width and half a height of the letters, with some air.
+    let (half, high) = (0.5 * 0.62 * 0.353 * SMALL * text.chars().count() as f64 + 0.4, 1.4);
+    let away = if pair.fitted < pair.predicted { 1.0 } else { -1.0 };
+    let mut best: Option<(usize, f64, f64)> = None;
+    for distance in [2.4, 4.4, 6.6, 9.0] {
+        for up in [away, -away] {
+            for aside in [0.0, half, -half, 2.0 * half, -2.0 * half] {
+                let (cx, cy) = (x + aside, y + up * distance);
+                if cx - half < 0.3 || side - 0.3 < cx + half || cy - high < 0.3 || side - 0.3 < cy + high {
+                    continue;
+                }
+                let hit = pairs.iter().map(place).filter(|p| (p.0 - cx).abs() < half + 0.8 && (p.1 - cy).abs() < high + 0.8).count();
+                // The 1:1 line crosses the box if its upper left and lower right corners lie on either side.
+                let crossed = usize::from((cy + high > cx - half) && (cy - high < cx + half));
+                if best.is_none_or(|(known, ..)| hit + crossed < known) {
+                    best = Some((hit + crossed, cx, cy));
+                }
+            }
+        }
+    }
+    let Some((_, cx, cy)) = best else { return Ok(()) };
+    let back = |x: f64, y: f64| (range.0 + x / scale, range.0 + y / scale);
+    if 3.0 < (cy - y).abs() {
+        let edge = if y < cy { cy - high } else { cy + high };
+        solid(axes, &[back(x, y), back(cx, edge)], line(INK, 0.12))?;
+    }
+    axes.draw_series(std::iter::once(Circle::new((pair.fitted, pair.predicted), steps(0.8), line(INK, 0.3))))?;
+    sheet::note(axes, &text, back(cx, cy), 0.0, sheet::mark(SMALL, INK, HPos::Center))
 }
 
 /// Counts coincide: a disc's area is the number of runs, and the number stands in it.

@@ -78,15 +78,17 @@ fn panel(area: &sheet::Area<'_>, gaps: &[Gap], row: usize, name: &str, values: &
         let names: Vec<(f64, &str)> = gaps.iter().enumerate().map(|(i, gap)| (at(i), gap.run.as_str())).collect();
         sheet::names_along(area, &names, top + PANEL + 1.2)?;
     }
-    sheet::note(
-        &mut axes,
-        "median",
-        (end, median),
-        0.0,
-        sheet::mark(SMALL, VERMILLION, HPos::Right).pos(Pos::new(HPos::Right, VPos::Bottom)),
-    )?;
-    let text = format!("{} mm", number::signed(median, 1));
-    sheet::note(&mut axes, &text, (end, median), 0.0, sheet::mark(SMALL, VERMILLION, HPos::Right).pos(Pos::new(HPos::Right, VPos::Top)))?;
+    // On the side of its line that has more paper.
+    let up = median < 0.5 * (y.0 + y.1);
+    let place = Pos::new(HPos::Right, if up { VPos::Bottom } else { VPos::Top });
+    let aside = steps(if up { -0.5 } else { 0.5 });
+    for (lines, text) in
+        [(if up { 1 } else { 0 }, "median".to_string()), (if up { 0 } else { 1 }, format!("{} mm", number::signed(median, 1)))]
+    {
+        let down = aside + if up { -lines } else { lines } * steps(2.6);
+        let label = Text::new(text, (0, down), sheet::mark(SMALL, VERMILLION, HPos::Right).pos(place));
+        axes.draw_series(std::iter::once(EmptyElement::at((end, median)) + label))?;
+    }
     if last {
         sheet::text_centre(
             area,

@@ -48,7 +48,13 @@ fn paint(area: &sheet::Area<'_>, unit: &str, scores: &[Score], margin: Option<f6
     for score in scores.iter().filter(|s| 0.25 * most < s.magnitude) {
         // Neighbouring ranks are a line apart; a closer one stays unnamed rather than overprinted.
         if 0.06 * top < score.quantile - below {
-            sheet::note(&mut axes, &score.term, (score.magnitude, score.quantile), 1.3, sheet::mark(SMALL, INK, HPos::Left))?;
+            sheet::note(
+                &mut axes,
+                &score.term.replace(':', " × "),
+                (score.magnitude, score.quantile),
+                1.3,
+                sheet::mark(SMALL, INK, HPos::Left),
+            )?;
             below = score.quantile;
         }
     }

@@ -2,13 +2,20 @@
 
 use plotters::prelude::*;
 
-use super::sheet::{self, BLUE, Chart, Drawn, Frame, GREY, INK, LABEL, VERMILLION, chart, dots, line, padded, solid, steps};
+use super::sheet::{
+    self, Area, BLUE, Chart, Drawn, Frame, GREY, INK, LABEL, PALE, SMALL, VERMILLION, chart, dots, line, padded, solid, steps,
+};
 use crate::error::Error;
 use crate::report::number;
 
 /// Size on paper, mm.
 pub const WIDTH: f64 = 110.0;
 pub const HEIGHT: f64 = 108.0;
+
+/// Round the axes, mm.
+const TOP: f64 = 10.5;
+const RIGHT: f64 = 2.0;
+const UNDER: f64 = 0.5;
 
 /// The estimates through one energy.
 #[derive(Debug, Clone)]
@@ -35,20 +42,11 @@ pub fn draw(series: &[Series]) -> Result<String, Error> {
         sheet::title(area, "Flexural rigidity from the hem against that of the cloth", 0.5, 2.5)?;
         let points = || series.iter().flat_map(|s| &s.points);
         let range = padded(points().flat_map(|p| [p.known.log10(), p.estimated.log10()]), 0.08);
-        let names = |v: f64| number::significant(10f64.powf(v), 2);
-        let frame = Frame {
-            x: range,
-            y: range,
-            x_label: "known B, µN·m",
-            y_label: "B from the hem, µN·m",
-            x_ticks: 7,
-            y_ticks: 7,
-            x_names: Some(&names),
-            y_names: Some(&names),
-            ..Frame::default()
-        };
-        let plot = sheet::part(area, 0.0, 10.5, WIDTH - 2.0, HEIGHT - 11.0);
+        let frame =
+            Frame { x: range, y: range, x_label: "known B, µN·m", y_label: "B from the hem, µN·m", bare: true, ..Frame::default() };
+        let plot = sheet::part(area, 0.0, TOP, WIDTH - RIGHT, HEIGHT - TOP - UNDER);
         let mut axes = chart(&plot, &frame)?;
+        grid(area, &mut axes, range, (frame.left, frame.below))?;
         solid(&mut axes, &[(range.0, range.0), (range.1, range.1)], line(GREY, 0.25))?;
         for (i, series) in series.iter().enumerate() {
             for p in &series.points {
@@ -67,6 +65,27 @@ pub fn draw(series: &[Series]) -> Result<String, Error> {
         }
         Ok(())
     })
+}
+
+/// Lines and numbers at 1, 2 and 5 of every decade.
+fn grid(area: &Area<'_>, axes: &mut Chart<'_, '_>, range: (f64, f64), (left, below): (f64, f64)) -> Drawn {
+    let (right, bottom) = (WIDTH - RIGHT, HEIGHT - UNDER - below);
+    let along = |v: f64| (v - range.0) / (range.1 - range.0);
+    for decade in range.0.floor() as i32..=range.1.ceil() as i32 {
+        for step in [1.0, 2.0, 5.0] {
+            let value = step * 10f64.powi(decade);
+            let at = value.log10();
+            if !(range.0..=range.1).contains(&at) {
+                continue;
+            }
+            solid(axes, &[(at, range.0), (at, range.1)], line(PALE, 0.1))?;
+            solid(axes, &[(range.0, at), (range.1, at)], line(PALE, 0.1))?;
+            let name = number::plain(value);
+            sheet::text_centre(area, &name, left + along(at) * (right - left), bottom + 2.2, SMALL, INK)?;
+            sheet::text_right(area, &name, left - 1.2, bottom - along(at) * (bottom - TOP), SMALL, INK)?;
+        }
+    }
+    Ok(())
 }
 
 /// Discs and circles: told apart without colour.

@@ -187,6 +187,8 @@ pub struct Frame<'t> {
     pub x_names: Option<&'t dyn Fn(f64) -> String>,
     /// The same of the y axis.
     pub y_names: Option<&'t dyn Fn(f64) -> String>,
+    /// Whether the figure draws a grid and ticks of its own.
+    pub bare: bool,
 }
 
 impl Frame<'_> {
@@ -217,6 +219,7 @@ impl Default for Frame<'_> {
             below: 10.0,
             x_names: None,
             y_names: None,
+            bare: false,
         }
     }
 }
@@ -246,6 +249,9 @@ pub fn chart<'a, 'b>(area: &'a Area<'b>, frame: &Frame<'_>) -> Result<Chart<'a, 
         .axis_desc_style(font(LABEL).color(&INK))
         .x_label_formatter(&x_text)
         .y_label_formatter(&y_text);
+    if frame.bare {
+        mesh.disable_mesh().set_all_tick_mark_size(0).x_label_formatter(&|_| String::new()).y_label_formatter(&|_| String::new());
+    }
     // An empty title would be a text without letters.
     if !frame.x_label.is_empty() {
         mesh.x_desc(frame.x_label);

@@ -60,10 +60,11 @@ fn plan(area: &Area<'_>, view: &View) -> Drawn {
     let plot = sheet::part(area, 0.0, top, left + side, side + below);
     let all = view.measured.iter().chain(&view.paper).chain(&view.tangent).chain(&view.free);
     let reach = all.map(|p| (p.x - view.centre.x).abs().max((p.y - view.centre.y).abs())).fold(0.0, f64::max);
-    let half = 1.13 * reach / CENTIMETRE;
+    let half = 1.18 * reach / CENTIMETRE;
     let (cx, cy) = (view.centre.x / CENTIMETRE, view.centre.y / CENTIMETRE);
     let mut axes = chart(&plot, &Frame { left, below, ..Frame::plan((cx, cy), half) })?;
-    solid(&mut axes, &closed(&view.paper, 1), line(BLUE, 0.4))?;
+    // Broad and pale below thin and dark: the two solid lines stay apart in grey.
+    solid(&mut axes, &closed(&view.paper, 1), sheet::underlay(BLUE, 0.8))?;
     if !view.tangent.is_empty() {
         dashed(&mut axes, &closed(&view.tangent, 1), line(GREEN, 0.4), 1.6, 0.9)?;
     }
@@ -73,7 +74,7 @@ fn plan(area: &Area<'_>, view: &View) -> Drawn {
     sheet::dots(&mut axes, &centimetres(&dots), 0.4, INK)?;
     for (i, fold) in view.folds.iter().enumerate() {
         let (x, y) = ((fold.crest.x - view.centre.x) / CENTIMETRE, (fold.crest.y - view.centre.y) / CENTIMETRE);
-        let out = 1.0 + 0.09 * half / x.hypot(y);
+        let out = 1.0 + 0.11 * half / x.hypot(y);
         axes.draw_series(std::iter::once(Text::new(
             format!("{}", i + 1),
             (cx + out * x, cy + out * y),
@@ -93,7 +94,8 @@ fn plan(area: &Area<'_>, view: &View) -> Drawn {
         let x = [48.0, 12.0, 48.0][i];
         let ends = if i == 1 { vec![(x, x + 1.7), (x + 2.4, x + 4.1)] } else { vec![(x, x + 4.1)] };
         for (from, to) in ends {
-            area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], line(color, 0.4)))?;
+            let style = if i == 0 { sheet::underlay(color, 0.8) } else { line(color, 0.4) };
+            area.draw(&PathElement::new(vec![(steps(from), steps(y)), (steps(to), steps(y))], style))?;
         }
         sheet::text_left(area, name, x + 5.0, y, SMALL, INK)?;
     }
@@ -110,7 +112,7 @@ fn bars(area: &Area<'_>, view: &View, top: f64, title: &str, pick: &dyn Fn(&Fold
     let end = view.folds.len() as f64;
     let frame = Frame {
         x: (0.4, end + 0.6),
-        y: (0.0, 1.16 * highest),
+        y: (0.0, 1.08 * highest),
         x_ticks: view.folds.len() + 1,
         y_ticks: 5,
         left: 10.0,
@@ -131,8 +133,9 @@ fn bars(area: &Area<'_>, view: &View, top: f64, title: &str, pick: &dyn Fn(&Fold
                 solid(&mut axes, &[(x - 0.08, at), (x + 0.08, at)], line(INK, 0.25))?;
             }
         }
+        // At the foot of the bar, where neither the whisker nor the mean crosses it.
         let said = number::fixed(value, decimals);
-        axes.draw_series(std::iter::once(Text::new(said, (x, value + 0.07 * highest), sheet::mark(SMALL, INK, HPos::Center))))?;
+        axes.draw_series(std::iter::once(Text::new(said, (x, 0.06 * highest), sheet::mark(SMALL, INK, HPos::Center))))?;
     }
     dashed(&mut axes, &[(0.4, mean), (end + 0.6, mean)], line(GREY, 0.25), 1.2, 0.8)
 }

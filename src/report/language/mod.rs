@@ -5,6 +5,7 @@
 mod catalogue;
 mod matching;
 mod number;
+mod room;
 mod svg;
 
 use std::cell::RefCell;
@@ -82,7 +83,7 @@ impl Translator {
         }
     }
 
-    /// The text elements of a figure; where the words are longer they are set narrower, by `measure`, so that they keep their room.
+    /// The text elements of a figure; where longer words, by `measure`, have no room they are set narrower.
     pub fn svg(&self, figure: &str, measure: &dyn Measure) -> String {
         if self.catalogue.is_none() { figure.to_string() } else { svg::say(figure, &|text| self.say(text), measure) }
     }

@@ -65,7 +65,8 @@ fn spelled(stem: &str) -> String {
 }
 
 /// Longest first where one ends with another.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 11] = [
+    ("_un_m", "µN·m"),
     ("_sum_of_squares_mm2", "mm²"),
     ("_n_m2", "N/m²"),
     ("_mm2", "mm²"),
@@ -93,7 +94,7 @@ const CODES: [&str; 9] = [
     "goal",
 ];
 
-const NAMES: [(&str, &str); 66] = [
+const NAMES: [(&str, &str); 74] = [
     ("n_points", "Points"),
     ("termination", "Ended"),
     ("m_weight", "Weight of m"),
@@ -160,6 +161,14 @@ const NAMES: [(&str, &str); 66] = [
     ("smallest_effect", "Smallest effect found"),
     ("suspect_runs", "Runs that stand apart"),
     ("crest_radius", "Crest radius"),
+    ("through", "Energy through which"),
+    ("known_rigidity", "B known"),
+    ("rigidity", "B from the hem"),
+    ("rigidity_low", "B, 95 % from"),
+    ("rigidity_high", "B, 95 % to"),
+    ("estimated_over_known", "B over known"),
+    ("chi_square", "χ²"),
+    ("lambda", "λ"),
 ];
 
 #[cfg(test)]

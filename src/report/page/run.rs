@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::table::{Column, of_texts};
-use super::{STEP, packed, surface};
+use super::{packed, surface};
 use crate::experiment::Point;
 use crate::fit::fold_table::DEGREES;
 use crate::fit::intervals::{End, Interval};
@@ -18,26 +18,56 @@ use crate::study::draped;
 use crate::units::{MILLIJOULE, MILLIMETRE, PERCENT};
 
 /// How finely runs are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detail {
     /// Points of a curve, about.
     nodes: usize,
     /// Most measured points; of denser outlines every other or every third one.
     most: usize,
+    /// To this place curves are sent, m.
+    pub step: f64,
     pub surface: draped::Options,
+    /// How many times as coarsely as usual places and fields of surfaces are sent.
+    pub coarse: f64,
+    /// Whether the page has the long tables of fold counts tried, curves compared, folds and branches of the theory, which are files too.
+    pub long_tables: bool,
 }
 
 /// More runs than these are shown with half the points: the page would take long to open.
 const MANY: usize = 120;
+/// More than these with still less, about 14 kB for a run: a page of 600 runs stays below 10 MB, which mail and browsers take.
+const VERY_MANY: usize = 300;
 
 impl Detail {
     /// For a campaign of so many runs.
     pub fn of(runs: usize) -> Self {
-        if MANY < runs {
-            return Detail { nodes: 150, most: 200, surface: draped::Options { round: 72, down: 8 } };
+        // Chords of a hem that fills a screen are then nowhere off by a pixel, and a hundredth of a millimetre is less than a screen or an outline resolves.
+        let fine =
+            Detail { nodes: 300, most: 400, step: 0.01 * MILLIMETRE, surface: draped::Options::default(), coarse: 1.0, long_tables: true };
+        if VERY_MANY < runs {
+            // Of a hem of half a metre a twentieth of a millimetre is a twentieth of a pixel, and four tenths on a skirt no more than its edges show.
+            let surface = draped::Options { round: 48, down: 6 };
+            return Detail { nodes: 120, most: 120, step: 0.05 * MILLIMETRE, surface, coarse: 4.0, long_tables: false };
         }
-        // Chords of a hem that fills a screen are then nowhere off by a pixel.
-        Detail { nodes: 300, most: 400, surface: draped::Options::default() }
+        if MANY < runs {
+            return Detail { nodes: 150, most: 200, surface: draped::Options { round: 72, down: 8 }, ..fine };
+        }
+        fine
+    }
+
+    /// What a reader should know who looks closely; nothing of a page that shows all.
+    pub fn said(&self) -> Option<String> {
+        if *self == Detail::of(0) {
+            return None;
+        }
+        let mut said = format!(
+            "At most {} measured points of a run and about {} points of a curve are drawn, as a page of so many runs would be too large.",
+            self.most, self.nodes
+        );
+        if !self.long_tables {
+            said.push_str(" Fold counts tried, curves compared, folds and branches of the theory are in candidates.csv, models.csv, folds.csv and predictions.csv.");
+        }
+        Some(said)
     }
 }
 
@@ -52,7 +82,7 @@ pub fn view(study: &RunStudy, campaign: &CampaignStudy, detail: &Detail) -> Valu
         "treatment": treatment,
         "notes": note::of(study),
         "hem": hem(study, detail),
-        "surfaces": surface::surfaces(study, campaign.campaign.gravity, &detail.surface),
+        "surfaces": surface::surfaces(study, campaign.campaign.gravity, &detail.surface, detail.coarse),
         "surface_missing": surface::missing(study),
         "numbers": of_texts(&number_columns(), numbers(study)),
         "folds": of_texts(&fold_columns(), folds(study)),
@@ -65,7 +95,7 @@ fn hem(study: &RunStudy, detail: &Detail) -> Option<Value> {
     let profile = study.profile.as_ref()?;
     let fit = study.fit.as_ref().ok();
     let stride = view.measured.len().div_ceil(detail.most);
-    let every = |points: &[Point], stride: usize| packed::points(points.iter().step_by(stride), STEP);
+    let every = |points: &[Point], stride: usize| packed::points(points.iter().step_by(stride), detail.step);
     let curve = |points: &[Point]| (!points.is_empty()).then(|| every(points, (points.len() / detail.nodes).max(1)));
     let free = study.irregular.as_ref().and_then(|i| i.free.as_ref().ok()).map(|(_, free)| free.placed.outline(detail.nodes));
     let longest = fit.map_or(0.0, |f| f.distances.iter().fold(0.0_f64, |most, d| most.max(d.abs())));
@@ -82,7 +112,7 @@ fn hem(study: &RunStudy, detail: &Detail) -> Option<Value> {
         "index": packed::packed(profile.source_index().iter().step_by(stride).map(|i| *i as f64 + 1.0), 1, 1.0),
         "measured": every(&view.measured, stride),
         "feet": fit.map(|_| every(&view.feet, stride)),
-        "distance": fit.map(|f| f.distances.iter().step_by(stride).map(|d| (d / STEP).round() as i64).collect::<Vec<_>>()),
+        "distance": fit.map(|f| f.distances.iter().step_by(stride).map(|d| (d / detail.step).round() as i64).collect::<Vec<_>>()),
         "fitted": curve(&view.fitted),
         "predicted": curve(&view.predicted),
         "free": free.as_deref().and_then(curve),

@@ -110,12 +110,12 @@ fn rounded(value: f64, shown: &Shown) -> f64 {
     format!("{value:.decimals$}").parse::<f64>().unwrap_or(value) + 0.0
 }
 
-/// The surfaces of one run; `gravity` in m/s².
-pub fn surfaces(study: &RunStudy, gravity: f64, options: &Options) -> Vec<Value> {
-    draped(study, gravity, options).iter().map(surface).collect()
+/// The surfaces of one run; `gravity` in m/s². Everything is sent to places `coarse` times as large as usual.
+pub fn surfaces(study: &RunStudy, gravity: f64, options: &Options, coarse: f64) -> Vec<Value> {
+    draped(study, gravity, options).iter().map(|drawn| surface(drawn, coarse)).collect()
 }
 
-fn surface(surface: &DrapedSurface) -> Value {
+fn surface(surface: &DrapedSurface, coarse: f64) -> Value {
     let (key, label) = match surface.hem_of {
         HemOf::Fit => ("fitted", "fitted hem"),
         HemOf::Theory => ("theory", "theory"),
@@ -145,7 +145,8 @@ fn surface(surface: &DrapedSurface) -> Value {
         let values = || field.values.iter().map(|v| v / shown.factor);
         let (low, high) = range(values().collect());
         let (low, high) = (rounded(low, shown), rounded(high, shown));
-        Some(json!({ "field": index, "low": low, "high": high, "step": shown.step, "values": packed(values(), 1, shown.step) }))
+        let step = coarse * shown.step;
+        Some(json!({ "field": index, "low": low, "high": high, "step": step, "values": packed(values(), 1, step) }))
     });
     json!({
         "key": key,
@@ -156,7 +157,7 @@ fn surface(surface: &DrapedSurface) -> Value {
         "down": surface.down,
         "level": surface.carried == Carried::Linear,
         "disc": surface.hem_of == HemOf::Fit && surface.carried != Carried::Linear,
-        "points": packed(surface.points.iter().flatten().copied(), 3, STEP),
+        "points": packed(surface.points.iter().flatten().copied(), 3, coarse * STEP),
         "fields": fields.collect::<Vec<_>>(),
     })
 }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::table::{Column, of_results, of_texts};
 use crate::report::csv::Table;
-use crate::report::{Provenance, analysis_table, fidelities, irregular, table};
+use crate::report::{Provenance, analysis_table, fidelities, identify, irregular, table};
 use crate::study::campaign::CampaignStudy;
 use crate::study::fidelities::summarize;
 
@@ -55,14 +55,17 @@ const FITS: [&str; 43] = [
     "theory_gap_mm",
 ];
 
-/// All tables that have rows: (id, title, about, table).
-pub fn all(study: &CampaignStudy, provenance: &Provenance) -> Vec<Value> {
+/// The tables with many rows for each run.
+const LONG: [&str; 4] = ["candidates", "models", "folds", "predictions"];
+
+/// All tables that have rows, the long ones only if asked for: (id, title, about, table).
+pub fn all(study: &CampaignStudy, provenance: &Provenance, long: bool) -> Vec<Value> {
     let rows = || study.runs.iter().map(Into::into);
     let (regressions, factors) = (study.regressions.as_slice(), study.campaign.design.factors.as_slice());
     let ids: Vec<&str> = study.runs.iter().map(|run| run.run.id.as_str()).collect();
     let names: Vec<&str> = factors.iter().map(|f| f.name.as_str()).collect();
     let uneven = || study.runs.iter().filter_map(|run| Some((run.run.id.as_str(), run.irregular.as_ref()?)));
-    let results: [(&str, &str, &str, Table); 16] = [
+    let results: [(&str, &str, &str, Table); 17] = [
         (
             "quarantine",
             "Set aside",
@@ -99,6 +102,12 @@ pub fn all(study: &CampaignStudy, provenance: &Provenance) -> Vec<Value> {
         ("theory_effects", "Effects, theory and measurement", "", analysis_table::theory_effects(regressions)),
         ("fidelities", "Theories against every run", "", fidelities::runs(&study.fidelities)),
         (
+            "identify",
+            "Cloth from its drape",
+            "The flexural rigidity B that each hem tells through each energy, beside the known one.",
+            identify::runs(&study.identified),
+        ),
+        (
             "fidelity_summary",
             "Theories per cell",
             "Factors in coded units; empty: all runs.",
@@ -108,6 +117,7 @@ pub fn all(study: &CampaignStudy, provenance: &Provenance) -> Vec<Value> {
     let entry = |id: &str, title: &str, about: &str, table: Value| json!({ "id": id, "title": title, "about": about, "table": table });
     let mut tables: Vec<Value> = results
         .iter()
+        .filter(|(id, ..)| long || !LONG.contains(id))
         // Without a theory the summary has lines, but nothing in them.
         .filter(|(id, .., table)| !table.rows.is_empty() && (*id != "fidelity_summary" || !study.fidelities.is_empty()))
         .map(|(id, title, about, table)| entry(id, title, about, of_results(table)))

@@ -56,17 +56,18 @@ fn curves_on_the_page_are_those_of_the_study_to_a_hundredth_of_a_millimetre() {
     let data = data(&study, &Provenance::default());
     let (run, shown) = (&study.runs[3], &data["runs"][3]["hem"]);
     let (profile, fit) = (run.profile.as_ref().unwrap(), run.fit.as_ref().unwrap());
+    let step = run::Detail::of(study.runs.len()).step;
     let whole: Vec<i64> = serde_json::from_value(shown["measured"].clone()).unwrap();
     assert_eq!(whole.len(), 2 * profile.points().len());
     let (mut x, mut y) = (0, 0);
     for (i, point) in profile.points().iter().enumerate() {
         (x, y) = (x + whole[2 * i], y + whole[2 * i + 1]);
         // Half a step of rounding, which does not add up along the curve.
-        assert!((x as f64 * STEP - point.x).abs() <= 0.5001 * STEP && (y as f64 * STEP - point.y).abs() <= 0.5001 * STEP);
+        assert!((x as f64 * step - point.x).abs() <= 0.5001 * step && (y as f64 * step - point.y).abs() <= 0.5001 * step);
     }
     let distances: Vec<i64> = serde_json::from_value(shown["distance"].clone()).unwrap();
     for (shown, distance) in distances.iter().zip(&fit.distances) {
-        assert!((*shown as f64 * STEP - distance).abs() <= 0.5001 * STEP);
+        assert!((*shown as f64 * step - distance).abs() <= 0.5001 * step);
     }
     assert!((shown["rms"].as_f64().unwrap() - fit.rms / MILLIMETRE).abs() <= 0.00501);
     // Run 17 was set aside.

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::response::texts;
 use super::table::{Column, of_texts};
-use crate::report::document::{beyond, theory};
+use crate::report::document::{beyond, cloth, theory};
 use crate::study::campaign::{CampaignStudy, RunStudy};
 use crate::units::MILLIMETRE;
 
@@ -59,6 +59,20 @@ pub fn chapter(study: &CampaignStudy) -> Value {
             "table": of_texts(&side_columns(), rows),
             "runs": runs,
             "caption": format!("Fold count of least energy; at the fitted fold count rms distance of the points, and depth, theory / fit. {solved}"),
+        }));
+    }
+    let cloth = cloth::chapter(study);
+    if !cloth.is_null() {
+        let rows = texts(&cloth["rows"]);
+        let runs = of_run(&rows);
+        let mut items = vec![json!(cloth::ABOUT)];
+        items.extend(cloth["words"].as_array().into_iter().flatten().cloned());
+        parts.push(json!({
+            "title": "Cloth from its drape",
+            "items": items,
+            "table": of_texts(&cloth_columns(), rows),
+            "runs": runs,
+            "caption": "Flexural rigidity, µN·m. Misfit: rms distance between the hem of the theory at that rigidity and the fitted one.",
         }));
     }
     json!({ "words": printed["words"], "scatters": scatters(study), "parts": parts })
@@ -124,6 +138,22 @@ fn run_columns() -> [Column; 10] {
         n("Shape, theory rms", "mm"),
         n("Shape, fit rms", "mm"),
         n("Energy", "mJ"),
+    ]
+}
+
+fn cloth_columns() -> [Column; 10] {
+    let n = |name: &str, unit: &str| Column::number(name, unit);
+    [
+        Column::text("Run"),
+        n("Known", "µN·m"),
+        n("Graded", "µN·m"),
+        n("s.e., %", ""),
+        n("Graded / known", ""),
+        n("Misfit, mm", ""),
+        n("Ruled", "µN·m"),
+        n("s.e., %", ""),
+        n("Ruled / known", ""),
+        n("Misfit, mm", ""),
     ]
 }
 

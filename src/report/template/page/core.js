@@ -1,5 +1,11 @@
 // What every part needs: the data, elements, numbers, curves unpacked, charts with axes, the tip beside the pointer.
 const DATA = JSON.parse(document.getElementById("data").textContent);
+// What many runs say alike is sent once: heads of tables, and [i] for the i-th text.
+const told = (cell) => (Array.isArray(cell) && cell.length === 1 ? DATA.texts[cell[0]] : cell);
+for (const run of DATA.runs) {
+  for (const name of ["numbers", "folds"]) run[name] = { columns: DATA.run_columns[name], rows: run[name].map((row) => row.map(told)) };
+  for (const surface of run.surfaces) surface.about = told(surface.about);
+}
 const W = DATA.words;
 const SVG = "http://www.w3.org/2000/svg";
 const at = (id) => document.getElementById(id);
@@ -142,4 +148,7 @@ const tip = {
     });
   },
 };
-const roomOf = (holder) => Math.max(260, Math.round(holder.clientWidth || 560));
+// Width of a chart's drawing, pixels. On paper it is that of the column, whatever the window: a drawing for a telephone would be printed in giant letters.
+const PAPER = { plan: 400, unrolled: 680, distance: 680 };
+let printing = false;
+const roomOf = (holder) => (printing && PAPER[holder.id]) || Math.max(260, Math.round(holder.clientWidth || 560));

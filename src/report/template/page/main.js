@@ -36,10 +36,14 @@ const page = (() => {
       for (const details of opened) details.open = true;
       builders.filter(({ details }) => details.open).forEach(({ build }) => build());
       regression.print(true);
+      printing = true;
+      hem.draw();
     });
     window.addEventListener("afterprint", () => {
       for (const details of opened) details.open = false;
       regression.print(false);
+      printing = false;
+      hem.draw();
     });
   }
 
