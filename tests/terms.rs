@@ -1,5 +1,7 @@
 //! Energy terms of both shells: derivatives, limits, what is off costs nothing, and the honesty of the screen.
 
+use std::f64::consts::TAU;
+
 use hemline::experiment::scene::{Body, BodyShape, Choice, ClothDetail, Scene, Term, TermSet, Theory, WaistEdge};
 use hemline::experiment::{Apparatus, Fabric, Skirt};
 use hemline::model::energy::Terms;
@@ -12,7 +14,7 @@ use hemline::model::graded::{GradedShell, HeightBasis, Setup};
 use hemline::model::graded_terms::GradedTerms;
 use hemline::model::ruled_terms::RuledTerms;
 use hemline::model::tangent::RuledShell;
-use hemline::numerics::minimize::{Expansion, Smooth};
+use hemline::numerics::minimize::{self, Expansion, Smooth, minimize};
 use hemline::simulate::scene::hem_movement;
 use hemline::simulate::{Fidelity, Options, Termination, predict, predict_scene, screen_scene};
 use hemline::units::{KilogramPerSquareMetre, Metre, NewtonMetre};
@@ -246,6 +248,36 @@ fn what_is_off_is_never_evaluated_and_leaves_every_bit() {
             assert_eq!(counts, std::array::from_fn(|i| usize::from(i == term as usize)), "{}", term.name());
         }
     }
+}
+
+#[test]
+fn the_multiplier_is_what_a_longer_hem_changes_of_the_least_energy_under_all_terms_but_stretch() {
+    /// The least energy near `x`, J.
+    fn least(shell: &impl Smooth, x: &DVector<f64>) -> f64 {
+        let minimum = minimize(shell, x.clone(), &minimize::Options::default()).unwrap();
+        assert!(0.0 < minimum.lowest_curvature());
+        minimum.at.value
+    }
+    // Truncation h² U‴/6 with U‴ ~ U/(3 mm)³ at a wall's reach; rounding eps·U/h.
+    let h = 1e-5;
+    let set = Term::ALL.into_iter().filter(|term| *term != Term::Stretch).fold(TermSet::none(), |set, term| set.with(term));
+    // The valley would come within 78 mm of the axis: the body is in touch.
+    let terms = everything(0.0765).only(set);
+    let ruled = RuledTerms::new(&skirt(), &terms, 5, 3, 32, 24);
+    let graded = GradedTerms::new(&skirt(), &terms, SETUP);
+    let at = minimize(&ruled, DVector::from_vec(vec![1.1, -0.08, 0.03]), &minimize::Options::default()).unwrap().x;
+    assert!(ruled.gaps(&at).body.is_some_and(|gap| gap < 3e-3), "the body is felt");
+    let numeric = (least(&ruled.lengthened(h), &at) - least(&ruled.lengthened(-h), &at)) / (2.0 * h) / TAU;
+    let multiplier = ruled.length_multiplier(&at).unwrap();
+    assert!((multiplier / numeric - 1.0).abs() < 1e-4, "ruled {multiplier} {numeric}");
+    let start = DVector::from_fn(6, |i, _| if i == 0 { 1.0 } else { 0.0 });
+    let at = minimize(&graded, start, &minimize::Options::default()).unwrap().x;
+    let numeric = (least(&graded.lengthened(h), &at) - least(&graded.lengthened(-h), &at)) / (2.0 * h) / TAU;
+    let multiplier = graded.length_multiplier(&at).unwrap();
+    assert!((multiplier / numeric - 1.0).abs() < 1e-4, "graded {multiplier} {numeric}");
+    // Where rings stretch no length is held.
+    let stretched = RuledTerms::new(&skirt(), &everything(0.05), 5, 3, 24, 12);
+    assert_eq!(stretched.length_multiplier(&DVector::zeros(stretched.strains() + 3)), None);
 }
 
 #[test]

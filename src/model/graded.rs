@@ -7,12 +7,12 @@
 //!
 //! One hand-written reverse sweep gives the gradient; dual numbers pushed through it give the exact Hessian.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
 pub use super::height::HeightBasis;
-use super::tangent::kernel;
+use super::tangent::{kernel, per_length};
 use crate::experiment::Skirt;
 use crate::numerics::dual::Dual;
 use crate::numerics::minimize::{Expansion, Smooth};
@@ -156,14 +156,11 @@ impl GradedShell {
     /// Cloth and waist stay as they are; the rings between are lengthened in proportion to their distance from the waist. At a minimum over
     /// `alpha` it is the derivative of the least energy. Central difference: right to about nine digits.
     pub fn length_multiplier(&self, alpha: &DVector<f64>) -> Option<f64> {
-        // Truncation falls with the square of the step, rounding grows with its inverse: 1e-5 leaves both at 1e-10 of the result.
-        let step = 1e-5 * self.hem;
-        let energy = |by: f64| self.lengthened(by).budget(alpha).map(|budget| budget.gravity + budget.bending + budget.shear);
-        Some((energy(step)? - energy(-step)?) / (2.0 * step) / TAU)
+        per_length(self.hem, |by| self.lengthened(by).budget(alpha).map(|budget| budget.gravity + budget.bending + budget.shear))
     }
 
     /// The same cloth with its hem's radius grown by `by`, m.
-    fn lengthened(&self, by: f64) -> GradedShell {
+    pub(super) fn lengthened(&self, by: f64) -> GradedShell {
         let mut longer = self.clone();
         // The growth of R per metre of slant, from the waist, which stays.
         let slant = self.slices.iter().map(|slice| slice.weight).sum::<f64>();

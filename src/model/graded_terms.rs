@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::energy::{Gaps, Ledger, Spot, Terms};
 use super::graded::{GradedShell, Setup};
-use super::tangent::{TangentHem, half_nodes};
+use super::tangent::{TangentHem, half_nodes, per_length};
 use crate::experiment::Skirt;
 use crate::experiment::scene::Term;
 use crate::numerics::jet::Jet;
@@ -124,9 +124,21 @@ impl GradedTerms {
         Some(ledger)
     }
 
-    /// The multiplier of the hem's length, N; `None` where terms are in that it does not know.
+    /// The multiplier of the hem's length, N, as [`GradedShell::length_multiplier`]; `None` where rings may stretch: then their tension does its work.
     pub fn length_multiplier(&self, x: &DVector<f64>) -> Option<f64> {
-        if self.beyond_sweep() { None } else { self.shell.length_multiplier(&self.alpha(x)) }
+        if self.terms.stretch.is_some() {
+            return None;
+        }
+        let own = self.shell.length_multiplier(&self.alpha(x))?;
+        if !self.beyond_sweep() {
+            return Some(own);
+        }
+        Some(own + per_length(self.shell.hem_radius(), |by| self.lengthened(by).beyond(x).map(|(all, ..)| all.value))?)
+    }
+
+    /// The same cloth, none of it stretching, with its hem's radius grown by `by` (m) and the rings above in proportion to their distance from the waist.
+    pub fn lengthened(&self, by: f64) -> GradedTerms {
+        GradedTerms { shell: self.shell.lengthened(by), ..self.clone() }
     }
 
     /// The coefficients a_k of the hem, for inextensible cloth.

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use nalgebra::{DMatrix, DVector};
 
 use super::energy::{Gaps, Ledger, Spot, Terms};
-use super::tangent::{Budget, RuledShell, TangentHem};
+use super::tangent::{Budget, RuledShell, TangentHem, per_length};
 use crate::experiment::Skirt;
 use crate::experiment::scene::Term;
 use crate::numerics::jet::Jet;
@@ -107,9 +107,21 @@ impl RuledTerms {
         Some(Budget { gravity: ledger.of(Term::Gravity), bending: ledger.of(Term::Bending) })
     }
 
-    /// The multiplier of the hem's length, N; `None` where terms are in that it does not know.
+    /// The multiplier of the hem's length, N, as [`RuledShell::length_multiplier`]; `None` where the hem may stretch: then its tension does its work.
     pub fn length_multiplier(&self, x: &DVector<f64>) -> Option<f64> {
-        if self.terms.beyond_usual() { None } else { self.shell.length_multiplier(x) }
+        if self.terms.stretch.is_some() {
+            return None;
+        }
+        let own = self.shell.length_multiplier(x)?;
+        if !self.terms.beyond_usual() {
+            return Some(own);
+        }
+        Some(own + per_length(self.shell.hem, |by| self.lengthened(by).beyond(x).map(|(all, _)| all.value))?)
+    }
+
+    /// The same cloth, none of it stretching, with its hem's radius grown by `by`, m.
+    pub fn lengthened(&self, by: f64) -> RuledTerms {
+        RuledTerms { shell: self.shell.lengthened(by), ..self.clone() }
     }
 
     /// The hem.

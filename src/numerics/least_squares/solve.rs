@@ -181,6 +181,8 @@ fn run(problem: &mut impl Problem, start: &[f64], bounds: &Bounds, options: &Opt
             }
         }
 
+        // A step that damping alone has made short says nothing of a minimum: there the gradient must.
+        let flat = largest(&free_gradient) <= 1e-6 * residual_norm + 8.0 * options.residual_rounding;
         let mut failures = 0;
         let stop = loop {
             if IDLE <= idle {
@@ -244,6 +246,7 @@ fn run(problem: &mut impl Problem, start: &[f64], bounds: &Bounds, options: &Opt
                     break Termination::Abandoned;
                 }
                 let gain = if 0.0 < predicted { actual / predicted } else { 1.0 };
+                let taken = damping;
                 // A gain that drowned in rounding says nothing; so near the minimum the linear model may be trusted.
                 damping *= if searching && drowned { 0.1 } else { (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0) };
                 growth = 2.0;
@@ -251,13 +254,13 @@ fn run(problem: &mut impl Problem, start: &[f64], bounds: &Bounds, options: &Opt
                 // Where the offset is asked for it decides: a step may be short by its damping, and estimates surer than its tolerance.
                 let settled = !searching && (relative_step <= options.step_tolerance || actual.abs() <= rounding && relative_step <= 1e-11);
                 if settled && violation(&constraint) <= 1e-9 * first_cost.max(1.0) {
-                    break Termination::Step;
+                    break if flat || taken <= 1.0 { Termination::Step } else { Termination::Stalled };
                 }
                 continue 'outer;
             }
             failures += 1;
             if relative_step <= options.step_tolerance {
-                break if feasible && (largest(&free_gradient) <= 1e-6 * residual_norm || predicted.abs() <= rounding) {
+                break if feasible && (flat || damping <= 1.0 && predicted.abs() <= rounding) {
                     Termination::Step
                 } else {
                     Termination::Stalled
