@@ -246,12 +246,14 @@ fn short_of_all(study: &TermsStudy) -> Vec<Vec<String>> {
         };
         let whole = |value: f64| number::fixed(value, 0);
         let two = |value: f64| number::significant(value, 2);
+        // λ has nine digits: a change below them is none.
+        let force = |value: f64| if value.abs() < 1e-6 { "0".to_string() } else { two(value) };
         table.push(vec![
             name(term),
             format!("{} of {}", rows.iter().filter(|row| row.screened.on).count(), rows.len()),
             range(&|row| row.movement.map(|m| m / MILLIMETRE), &millimetres),
             range(&|row| change(row, |hem| Some(f64::from(hem.folds))), &whole),
-            range(&|row| change(row, multiplier), &two),
+            range(&|row| change(row, multiplier), &force),
             range(&|row| change(row, evaluations), &whole),
             range(&|row| change(row, milliseconds), &two),
         ]);
