@@ -176,25 +176,22 @@ pub fn write_with(
     let translator = Translator::new(options.language, language::names(study));
     let drawn = options.wants(Part::Pdf) || options.wants(Part::Figures);
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
-    // Pictures first, on all cores, then the document: the two at once would need the room of both, and the document then takes the figures as its own.
+    // The document last: it takes the figures as its own, and nothing else is in memory when it needs most.
     let pictures = if options.wants(Part::Figures) { picture::write_all(&gallery, folder, options.dpi, progress)? } else { vec![] };
-    let mut written = write_but_pictures(study, folder, options, gallery, &translator)?;
+    let rest = write_but_document(study, folder, options, &translator)?;
+    let mut written = vec![];
+    if options.wants(Part::Pdf) {
+        written.push(output::write(folder, "report.pdf", &document::pdf(study, gallery, options, &translator)?)?);
+    }
+    written.extend(rest);
     written.extend(pictures);
     Ok(written)
 }
 
-fn write_but_pictures(
-    study: &CampaignStudy,
-    folder: &Path,
-    options: &Options,
-    gallery: gallery::Gallery,
-    translator: &Translator,
-) -> Result<Vec<PathBuf>, Error> {
+/// The page, the tables and the summary.
+fn write_but_document(study: &CampaignStudy, folder: &Path, options: &Options, translator: &Translator) -> Result<Vec<PathBuf>, Error> {
     let mut written = vec![];
     let mut put = |name: &str, bytes: &[u8]| output::write(folder, name, bytes).map(|path| written.push(path));
-    if options.wants(Part::Pdf) {
-        put("report.pdf", &document::pdf(study, gallery, options, translator)?)?;
-    }
     if options.wants(Part::Html) {
         put("report.html", page::html(study, options, translator).as_bytes())?;
     }
