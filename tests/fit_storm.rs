@@ -286,7 +286,10 @@ fn gain(profile: &DrapeProfile, fit: &HemFit, generator: &mut ChaCha8Rng) -> f64
 fn a_storm_of_random_outlines_neither_panics_nor_returns_nonsense() {
     let count = how_many("HEMLINE_STORM", 800);
     let first = how_many("HEMLINE_FIRST", 0);
-    let results: Vec<(usize, Option<String>)> = (first..first + count)
+    // Of the full storm, what once went wrong: 4184 called the end of ever shorter steps a minimum.
+    let known = [4184];
+    let cases: Vec<u64> = (first..first + count).chain(known).collect();
+    let results: Vec<(usize, Option<String>)> = cases
         .into_par_iter()
         .map(|case| {
             let mut generator = ChaCha8Rng::seed_from_u64(case);
