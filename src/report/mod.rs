@@ -80,7 +80,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// All of them, in the order in which they are written.
+    /// All of them, in the order in which their paths are told.
     pub const ALL: [Part; 5] = [Part::Pdf, Part::Html, Part::Tables, Part::Summary, Part::Figures];
 
     /// As the command line spells it.
@@ -176,22 +176,25 @@ pub fn write_with(
     let translator = Translator::new(options.language, language::names(study));
     let drawn = options.wants(Part::Pdf) || options.wants(Part::Figures);
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
-    // The document last: it takes the figures as its own, and nothing else is in memory when it needs most.
+    // Pictures first, on all cores, then the document: the two at once would need the room of both, and the document then takes the figures as its own.
     let pictures = if options.wants(Part::Figures) { picture::write_all(&gallery, folder, options.dpi, progress)? } else { vec![] };
-    let rest = write_but_document(study, folder, options, &translator)?;
-    let mut written = vec![];
-    if options.wants(Part::Pdf) {
-        written.push(output::write(folder, "report.pdf", &document::pdf(study, gallery, options, &translator)?)?);
-    }
-    written.extend(rest);
+    let mut written = write_but_pictures(study, folder, options, gallery, &translator)?;
     written.extend(pictures);
     Ok(written)
 }
 
-/// The page, the tables and the summary.
-fn write_but_document(study: &CampaignStudy, folder: &Path, options: &Options, translator: &Translator) -> Result<Vec<PathBuf>, Error> {
+fn write_but_pictures(
+    study: &CampaignStudy,
+    folder: &Path,
+    options: &Options,
+    gallery: gallery::Gallery,
+    translator: &Translator,
+) -> Result<Vec<PathBuf>, Error> {
     let mut written = vec![];
     let mut put = |name: &str, bytes: &[u8]| output::write(folder, name, bytes).map(|path| written.push(path));
+    if options.wants(Part::Pdf) {
+        put("report.pdf", &document::pdf(study, gallery, options, translator)?)?;
+    }
     if options.wants(Part::Html) {
         put("report.html", page::html(study, options, translator).as_bytes())?;
     }
