@@ -133,19 +133,31 @@ pub struct ClothDetail {
     pub warp_and_weft: Option<(f64, f64)>,
 }
 
-/// The form of the hips below the waist: a body of revolution about the axis of the skirt.
+/// The form of the hips: a body of revolution about the axis of the skirt. How far up and down it goes, its users say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyShape {
-    /// A cone from the waist to the hips, a cylinder below them.
+    /// Straight from the waist to the hips, upright below them.
     Cone,
-    /// Of the hips' radius from the waist down.
+    /// Upright, of the hips' radius.
     Cylinder,
-    /// Its equator at the hips, through the waist; nothing below it.
+    /// Its equator at the hips, through the waist.
     Ellipsoid,
 }
 
-/// The body under the skirt.
+impl BodyShape {
+    pub const ALL: [BodyShape; 3] = [BodyShape::Cone, BodyShape::Cylinder, BodyShape::Ellipsoid];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            BodyShape::Cone => "cone",
+            BodyShape::Cylinder => "cylinder",
+            BodyShape::Ellipsoid => "ellipsoid",
+        }
+    }
+}
+
+/// The body under the skirt: a cylinder from the waist down, an ellipsoid down to its equator only.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Body {
     pub shape: BodyShape,

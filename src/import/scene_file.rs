@@ -213,7 +213,7 @@ pub(super) fn cloth_detail(given: &mut Numbers<'_>) -> Result<ClothDetail, Error
 /// `[body]`.
 pub(super) fn body(reader: &Reader<'_>, table: Table) -> Result<Body, Error> {
     let mut given = Numbers::new(reader, "body", table);
-    let shapes = [("cone", BodyShape::Cone), ("cylinder", BodyShape::Cylinder), ("ellipsoid", BodyShape::Ellipsoid)];
+    let shapes = BodyShape::ALL.map(|shape| (shape.name(), shape));
     let shape = given.word("shape", &shapes)?.ok_or_else(|| given.lacks("shape (\"cone\", \"cylinder\" or \"ellipsoid\")"))?;
     let hip_radius = Metre(given.radius("hip")?.ok_or_else(|| given.lacks("hip_girth_cm or hip_radius_cm"))?);
     let waist_radius = given.radius("waist")?.map(Metre);

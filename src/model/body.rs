@@ -6,31 +6,8 @@ use serde::Serialize;
 
 use super::skirt::Cone;
 use crate::error::Error;
+use crate::experiment::scene::BodyShape;
 use crate::units::Metre;
-
-/// The body between waist and hips, round about the same axis as the skirt.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BodyShape {
-    /// Straight from the waist to the hips, upright below them: the body that the paper's cone lies on.
-    Cone,
-    /// Upright from the hips downwards; between waist and hips it is nowhere.
-    Cylinder,
-    /// Half an ellipsoid with its equator at the hips, through the waist, and the other half below: round hips.
-    Ellipsoid,
-}
-
-impl BodyShape {
-    pub const ALL: [BodyShape; 3] = [BodyShape::Cone, BodyShape::Cylinder, BodyShape::Ellipsoid];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            BodyShape::Cone => "cone",
-            BodyShape::Cylinder => "cylinder",
-            BodyShape::Ellipsoid => "ellipsoid",
-        }
-    }
-}
 
 /// A body: girths over 2π, and the height between them, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,6 +63,9 @@ impl Body {
     }
 
     /// Radius of the body `depth` (m) below the waist; `None` where it has no surface there.
+    ///
+    /// Below the hips a cone goes on upright, as the body that the paper's cone lies on; between waist and hips a cylinder is nowhere; an ellipsoid goes
+    /// on to its lower pole.
     pub fn radius(&self, shape: BodyShape, depth: f64) -> Option<f64> {
         let (waist, hip, h) = (self.waist_radius, self.hip_radius, self.hip_depth);
         match shape {
