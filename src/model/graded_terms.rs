@@ -462,9 +462,7 @@ impl Smooth for GradedTerms {
             if self.beyond_sweep() {
                 let (more, ledger, _) = self.beyond(x)?;
                 ledger.count(&mut counts);
-                own.value += more.value;
-                own.gradient += more.gradient;
-                own.hessian += more.hessian;
+                own += more;
             }
             own
         };

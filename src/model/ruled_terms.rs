@@ -323,9 +323,7 @@ impl Smooth for RuledTerms {
             if self.terms.beyond_usual() {
                 let (more, ledger) = self.beyond(x)?;
                 ledger.count(&mut counts);
-                own.value += more.value;
-                own.gradient += more.gradient;
-                own.hessian += more.hessian;
+                own += more;
             }
             own
         };

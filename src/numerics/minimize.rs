@@ -3,6 +3,8 @@
 //! Both solvers are Newton trust-region methods with exact Hessians. The problems have few unknowns (1 … 60), so each step diagonalizes the
 //! Hessian and solves its subproblem exactly, which walks off saddles and needs no assumption of convexity.
 
+use std::ops::AddAssign;
+
 use argmin::core::{Error as ArgminError, Executor, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -12,6 +14,15 @@ pub struct Expansion {
     pub value: f64,
     pub gradient: DVector<f64>,
     pub hessian: DMatrix<f64>,
+}
+
+impl AddAssign for Expansion {
+    /// Of the sum of two functions of the same unknowns.
+    fn add_assign(&mut self, other: Expansion) {
+        self.value += other.value;
+        self.gradient += other.gradient;
+        self.hessian += other.hessian;
+    }
 }
 
 /// A twice differentiable function.
