@@ -4,6 +4,7 @@
 //! taken in one fixed order. [`Lanes`] is how eight numbers lie in memory; a kernel is written once over [`Vector`] and compiled for each kind of
 //! register ([`vectorized!`](crate::vectorized)).
 
+pub mod product;
 #[cfg(target_arch = "x86_64")]
 pub mod registers;
 
@@ -16,6 +17,12 @@ pub const WIDTH: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
+
+/// The numbers of several in a row.
+pub fn numbers(lanes: &[Lanes]) -> &[f64] {
+    // SAFETY: `Lanes` is eight numbers and nothing else: its size is its alignment.
+    unsafe { std::slice::from_raw_parts(lanes.as_ptr().cast(), lanes.len() * WIDTH) }
+}
 
 /// Eight numbers under arithmetic, in whatever registers hold them.
 pub trait Vector:
