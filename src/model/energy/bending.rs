@@ -2,6 +2,8 @@
 
 use crate::experiment::Skirt;
 use crate::numerics::jet::Jet;
+use crate::numerics::lanes::Vector;
+use crate::numerics::lanes::jets::Jets;
 use crate::numerics::quadrature::gauss_legendre;
 
 /// Bending of a ruled shell: `U = ∫₀¹∮ (B/2) κ² (R_t + uL cos β) L dσ du`, κ the plane curvature of the ring at fraction u.
@@ -73,6 +75,52 @@ impl Bending {
             quadratic[2] += lead * (2.0 * p * p - 12.0 * p * arm + 12.0 * arm * arm);
         }
         (constant, quadratic)
+    }
+
+    /// b_0 and b_2 at eight places, with their derivatives by cos ψ and by r̂; differentiated by hand like [`Bending::by_cos`].
+    #[inline(always)]
+    pub fn densities<V: Vector>(&self, cos: V, hem: V) -> [Jets<V, 2>; 2] {
+        let (mut constant, mut quadratic) = (Jets::constant(V::zero()), Jets::constant(V::zero()));
+        for &(p, u, weight) in &self.slices {
+            let (q, toward) = (hem * u, cos * p);
+            let lever = toward + q;
+            let inverse = V::all(1.0) / q.mul_add(lever + toward, V::all(p * p));
+            // Derivatives of v² relative to v²: g by cos ψ and by r̂, then the second ones (by cos ψ twice there is none).
+            let g = [q * inverse * (2.0 * p), lever * inverse * (2.0 * u)];
+            let mixed = inverse * (2.0 * p * u);
+            let bent = inverse * (2.0 * u * u);
+            let scaled = inverse * weight;
+            // −1 times the logarithmic derivatives of 1/v².
+            constant.value = constant.value + scaled;
+            for i in 0..2 {
+                constant.gradient[i] = scaled.neg_mul_add(g[i], constant.gradient[i]);
+            }
+            let twice = [g[0] * 2.0, g[1] * 2.0];
+            constant.hessian[0][0] = scaled.mul_add(twice[0] * g[0], constant.hessian[0][0]);
+            constant.hessian[0][1] = scaled.mul_add(twice[0].mul_sub(g[1], mixed), constant.hessian[0][1]);
+            constant.hessian[1][1] = scaled.mul_add(twice[1].mul_sub(g[1], bent), constant.hessian[1][1]);
+            // The arm q·lever and its derivatives, over v² once for each factor.
+            let lead = scaled * (inverse * inverse);
+            let arm = q * lever;
+            let by = [q * p, (lever + q) * u];
+            let slope = [by[0] * 2.0 - arm * g[0] * 3.0, by[1] * 2.0 - arm * g[1] * 3.0];
+            let led = lead * arm;
+            quadratic.value = led.mul_add(arm, quadratic.value);
+            for i in 0..2 {
+                quadratic.gradient[i] = led.mul_add(slope[i], quadratic.gradient[i]);
+            }
+            let curved = [
+                (by[0] * by[0]) * 2.0 + arm * (arm * g[0] - by[0]) * g[0] * 12.0,
+                (by[0] * by[1]) * 2.0
+                    + arm * (arm * g[0] * g[1] * 12.0 - (by[0] * g[1] + by[1] * g[0]) * 6.0)
+                    + arm * (V::all(2.0 * u * p) - arm * mixed * 3.0),
+                (by[1] * by[1]) * 2.0 + arm * (arm * g[1] - by[1]) * g[1] * 12.0 + arm * (V::all(4.0 * u * u) - arm * bent * 3.0),
+            ];
+            quadratic.hessian[0][0] = lead.mul_add(curved[0], quadratic.hessian[0][0]);
+            quadratic.hessian[0][1] = lead.mul_add(curved[1], quadratic.hessian[0][1]);
+            quadratic.hessian[1][1] = lead.mul_add(curved[2], quadratic.hessian[1][1]);
+        }
+        [constant, quadratic]
     }
 }
 

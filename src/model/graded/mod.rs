@@ -19,14 +19,14 @@ mod shape;
 
 pub use super::height::HeightBasis;
 use super::tangent::{kernel, per_length};
-use curvature::hessian;
-use force::forces;
-use grid::{Band, Grid};
-use shape::Shape;
 use crate::experiment::Skirt;
 use crate::numerics::lanes::WIDTH;
 use crate::numerics::minimize::{Expansion, Smooth};
 use crate::numerics::quadrature::{gauss_legendre, running_integral};
+use curvature::hessian;
+use force::forces;
+use grid::{Band, Grid};
+use shape::Shape;
 
 /// Material and size of the discretization.
 #[derive(Debug, Clone, Copy, PartialEq)]

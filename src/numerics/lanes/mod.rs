@@ -4,6 +4,7 @@
 //! taken in one fixed order. [`Lanes`] is how eight numbers lie in memory; a kernel is written once over [`Vector`] and compiled for each kind of
 //! register ([`vectorized!`](crate::vectorized)).
 
+pub mod jets;
 pub mod product;
 #[cfg(target_arch = "x86_64")]
 pub mod registers;
