@@ -161,16 +161,16 @@ impl Smooth for RuledShell {
         let (psi, slope) = (&self.sines * a, &self.slopes * a);
         let (count, harmonics) = (psi.len(), a.len());
         // Column 0: e^{iψ}; column k: its derivative i sin kφ e^{iψ}.
-        let source = DMatrix::from_fn(2 * count, 1 + harmonics, |i, k| {
-            let n = if i < count { i } else { i - count };
-            let (sin, cos) = psi[n].sin_cos();
-            match (i < count, k) {
-                (true, 0) => cos,
-                (false, 0) => sin,
-                (true, _) => -self.sines[(n, k - 1)] * sin,
-                (false, _) => self.sines[(n, k - 1)] * cos,
+        let mut source = DMatrix::zeros(2 * count, 1 + harmonics);
+        for n in 0..count {
+            (source[(count + n, 0)], source[(n, 0)]) = psi[n].sin_cos();
+        }
+        for k in 0..harmonics {
+            for n in 0..count {
+                source[(n, k + 1)] = -self.sines[(n, k)] * source[(count + n, 0)];
+                source[(count + n, k + 1)] = self.sines[(n, k)] * source[(n, 0)];
             }
-        });
+        }
         let image = &self.kernel * &source;
         let tangent = image.columns(1, harmonics);
         let mut value = 0.0;
@@ -180,6 +180,7 @@ impl Smooth for RuledShell {
         let mut by_psi = DVector::zeros(count);
         let mut by_slope = DVector::zeros(count);
         let mut second = DMatrix::<f64>::zeros(count, 3);
+        let bent = self.bending.as_ref().map_or_else(Vec::new, |bending| bending.by_cosines(&source.as_slice()[..count], self.hem));
         for n in 0..count {
             let (x, y) = (image[(n, 0)] - self.waist, image[(count + n, 0)]);
             let w = self.weights[n];
@@ -196,9 +197,11 @@ impl Smooth for RuledShell {
                     loaded[(count + n, k)] = first * ty + along * y;
                 }
             }
-            let Some(bending) = &self.bending else { continue };
-            let (sin, cos) = psi[n].sin_cos();
-            let (constant, quadratic) = bending.by_cos(cos, self.hem);
+            if bent.is_empty() {
+                continue;
+            }
+            let (cos, sin) = (source[(n, 0)], source[(count + n, 0)]);
+            let (constant, quadratic) = bent[n];
             // From derivatives by cos ψ to derivatives by ψ.
             let by_angle = |b: &[f64; 3]| (-sin * b[1], sin * sin * b[2] - cos * b[1]);
             let ((c1, c2), (q1, q2)) = (by_angle(&constant), by_angle(&quadratic));
@@ -235,25 +238,37 @@ pub(super) fn per_length(hem: f64, energy: impl Fn(f64) -> Option<f64>) -> Optio
 pub(super) fn kernel(hem: f64, m: f64, half: usize, table: &[(f64, f64)]) -> DMatrix<f64> {
     let period = 2 * half;
     // T(δ) = (1/N) Σ_j e^{ijδ}/(1 + jm) on the grid of shifts; the highest mode is shared between +half and −half.
-    let shifts: Vec<(f64, f64)> = (0..period)
-        .map(|n| {
-            let (mut real, mut imaginary) = (1.0, 0.0);
-            for j in 1..=half {
-                let jm = m * j as f64;
-                let share = if j == half { 0.5 } else { 1.0 } * 2.0 / (1.0 - jm * jm);
-                let (sin, cos) = table[n * j % period];
-                real += share * cos;
-                imaginary -= share * jm * sin;
-            }
-            (hem * real / period as f64, hem * imaginary / period as f64)
+    let shares: Vec<(f64, f64)> = (1..=half)
+        .map(|j| {
+            let jm = m * j as f64;
+            let share = if j == half { 0.5 } else { 1.0 } * 2.0 / (1.0 - jm * jm);
+            (share, share * jm)
         })
         .collect();
+    let scale = hem / period as f64;
+    let mut shifts = vec![(0.0, 0.0); period];
+    for n in 0..=half {
+        let (mut real, mut imaginary, mut at) = (1.0, 0.0, 0);
+        for (even, odd) in &shares {
+            at += n;
+            if period <= at {
+                at -= period;
+            }
+            let (sin, cos) = table[at];
+            real += even * cos;
+            imaginary -= odd * sin;
+        }
+        // Back by as much: the conjugate.
+        shifts[(period - n) % period] = (scale * real, -scale * imaginary);
+        shifts[n] = (scale * real, scale * imaginary);
+    }
     let count = half + 1;
     let mut kernel = DMatrix::zeros(2 * count, 2 * count);
     for l in 0..count {
+        let alone = l == 0 || l == half;
         for n in 0..count {
-            let (minus, plus) = (shifts[(n + period - l) % period], shifts[(n + l) % period]);
-            let alone = l == 0 || l == half;
+            let minus = if l <= n { shifts[n - l] } else { shifts[n + period - l] };
+            let plus = if n + l < period { shifts[n + l] } else { shifts[0] };
             let mirrored = if alone { (0.0, 0.0) } else { plus };
             kernel[(n, l)] = minus.0 + mirrored.0;
             kernel[(count + n, l)] = minus.1 + mirrored.1;
@@ -305,7 +320,11 @@ impl TangentHem {
             let jm = m * j as f64;
             if j == 0 { (hem * even, 0.0) } else { (hem * (even + odd) / (1.0 + jm), hem * (even - odd) / (1.0 - jm)) }
         });
-        TangentHem { folds, hem, coefficients: coefficients.to_vec(), strains: strains.to_vec(), modes: modes.collect() }
+        let mut modes: Vec<(f64, f64)> = modes.collect();
+        // They fall off faster than geometrically: those that no digit of the curve feels are not carried along.
+        let heard = modes.iter().rposition(|(plus, minus)| 1e-18 * hem < plus.abs() + minus.abs());
+        modes.truncate(heard.map_or(0, |last| last + 1));
+        TangentHem { folds, hem, coefficients: coefficients.to_vec(), strains: strains.to_vec(), modes }
     }
 
     /// h(φ) and dh/dφ at φ = mσ, m.
