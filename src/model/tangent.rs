@@ -119,6 +119,11 @@ impl RuledShell {
     ///
     /// Derivative by |dc/dσ| alone, over 2π; cloth and waist stay as they are. At a minimum over `a` it is the derivative of the least energy.
     pub fn length_multiplier(&self, a: &DVector<f64>) -> Option<f64> {
+        self.length_multiplier_stiffer(1.0, a)
+    }
+
+    /// The same for cloth `stiffer` times as rigid as the shell's own.
+    pub fn length_multiplier_stiffer(&self, stiffer: f64, a: &DVector<f64>) -> Option<f64> {
         let (psi, slope) = (&self.sines * a, &self.slopes * a);
         let hem = self.position(&psi);
         let count = psi.len();
@@ -131,7 +136,7 @@ impl RuledShell {
             }
             if let Some(bending) = &self.bending {
                 let (constant, quadratic) = bending.density(Jet::<1>::constant(psi[n].cos()), Jet::variable(self.hem, 0));
-                sum += self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
+                sum += stiffer * self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
             }
         }
         Some(sum / TAU)
@@ -155,9 +160,29 @@ impl RuledShell {
     }
 }
 
-impl Smooth for RuledShell {
-    /// Energy (J), gradient and Hessian by a_1 … a_K.
-    fn expand(&self, a: &DVector<f64>) -> Option<Expansion> {
+impl RuledShell {
+    /// The derivatives of gravity's energy by a_1 … a_K, J; `None` where a generatrix does not reach the hem.
+    pub fn gravity_gradient(&self, a: &DVector<f64>) -> Option<DVector<f64>> {
+        let psi = &self.sines * a;
+        let (hem, count) = (self.position(&psi), psi.len());
+        let mut force = DVector::zeros(2 * count);
+        for n in 0..count {
+            let (x, y) = (hem[n] - self.waist, hem[count + n]);
+            if let Some(gravity) = &self.gravity {
+                let first = 2.0 * self.weights[n] * gravity.density(x * x + y * y)?.first;
+                (force[n], force[count + n]) = (first * x, first * y);
+            }
+        }
+        let adjoint = self.kernel.tr_mul(&force);
+        let by_psi = DVector::from_fn(count, |n, _| {
+            let (sin, cos) = psi[n].sin_cos();
+            adjoint[count + n] * cos - adjoint[n] * sin
+        });
+        Some(self.sines.tr_mul(&by_psi))
+    }
+
+    /// Energy (J), gradient and Hessian by a_1 … a_K for cloth `stiffer` times as rigid as the shell's own.
+    pub fn expand_stiffer(&self, stiffer: f64, a: &DVector<f64>) -> Option<Expansion> {
         let (psi, slope) = (&self.sines * a, &self.slopes * a);
         let (count, harmonics) = (psi.len(), a.len());
         // Column 0: e^{iψ}; column k: its derivative i sin kφ e^{iψ}.
@@ -201,7 +226,7 @@ impl Smooth for RuledShell {
                 continue;
             }
             let (cos, sin) = (source[(n, 0)], source[(count + n, 0)]);
-            let (constant, quadratic) = bent[n];
+            let (constant, quadratic) = (bent[n].0.map(|b| stiffer * b), bent[n].1.map(|b| stiffer * b));
             // From derivatives by cos ψ to derivatives by ψ.
             let by_angle = |b: &[f64; 3]| (-sin * b[1], sin * sin * b[2] - cos * b[1]);
             let ((c1, c2), (q1, q2)) = (by_angle(&constant), by_angle(&quadratic));
@@ -223,6 +248,13 @@ impl Smooth for RuledShell {
         let mixed_c = DMatrix::from_fn(count, harmonics, |n, k| second[(n, 1)] * self.sines[(n, k)] + second[(n, 2)] * self.slopes[(n, k)]);
         let hessian = tangent.tr_mul(&loaded) + self.sines.tr_mul(&mixed_s) + self.slopes.tr_mul(&mixed_c);
         Some(Expansion { value, gradient, hessian })
+    }
+}
+
+impl Smooth for RuledShell {
+    /// Energy (J), gradient and Hessian by a_1 … a_K.
+    fn expand(&self, a: &DVector<f64>) -> Option<Expansion> {
+        self.expand_stiffer(1.0, a)
     }
 }
 
@@ -438,6 +470,27 @@ mod tests {
             let column = (up.gradient - down.gradient) / (2.0 * h);
             assert!((exact.hessian.column(k) - column).amax() < 1e-11);
         }
+    }
+
+    #[test]
+    fn gradient_of_gravity_is_that_of_a_shell_without_rigidity() {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        let limp = RuledShell::with(&skirt, (Some(1.962), None), 5, 4, half_nodes(4), Bending::NODES);
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let exact = limp.expand(&a).unwrap().gradient;
+        // The same sums in another order.
+        assert!((shell(5, 4).gravity_gradient(&a).unwrap() - &exact).amax() < 1e-13 * exact.amax());
+    }
+
+    #[test]
+    fn stiffer_cloth_is_a_shell_of_that_rigidity() {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        let stiff = RuledShell::new(&skirt, 1.962, 3e-5, 5, 4, half_nodes(4), Bending::NODES);
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let (own, stiffer) = (stiff.expand(&a).unwrap(), shell(5, 4).expand_stiffer(3.0, &a).unwrap());
+        assert!((own.value - stiffer.value).abs() < 1e-14 * own.value && (own.hessian - stiffer.hessian).amax() < 1e-15);
+        let (own, stiffer) = (stiff.length_multiplier(&a).unwrap(), shell(5, 4).length_multiplier_stiffer(3.0, &a).unwrap());
+        assert!((own / stiffer - 1.0).abs() < 1e-13);
     }
 
     #[test]

@@ -162,8 +162,9 @@ pub fn identify(skirt: &Skirt, weight: f64, hem: &TangentFit, through: Through) 
         ));
     }
     // λ moves along the equilibria; a hundredth of a factor of e is a small step of a smooth curve.
-    let near = family.at(found.log_ratio + 0.01, Some(&found));
-    let lambda_slope = near.map(|near| weight * (near.multiplier - found.multiplier) / 0.01);
+    let Some(multiplier) = family.multiplier(&found) else { return refuse("the length of the hem has no multiplier".into()) };
+    let near = family.at(found.log_ratio + 0.01, Some(&found)).and_then(|near| family.multiplier(&near));
+    let lambda_slope = near.map(|near| weight * (near - multiplier) / 0.01);
     Ok(Identification {
         through,
         folds: hem.folds,
@@ -171,7 +172,7 @@ pub fn identify(skirt: &Skirt, weight: f64, hem: &TangentFit, through: Through) 
         rigidity: Estimate { value: rigidity, standard_error: Some(rigidity * relative_error) },
         interval: [-1.959_963_985, 1.959_963_985].map(|z| rigidity * (z * relative_error).exp()),
         relative_error,
-        lambda: Estimate { value: weight * found.multiplier, standard_error: lambda_slope.map(|slope| slope.abs() * relative_error) },
+        lambda: Estimate { value: weight * multiplier, standard_error: lambda_slope.map(|slope| slope.abs() * relative_error) },
         chi_square,
         degrees_of_freedom,
         inflation,

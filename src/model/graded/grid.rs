@@ -53,9 +53,10 @@ fn lanes(slices: &[Slice], block: usize, value: impl Fn(&Slice) -> f64, beyond: 
 }
 
 impl Band {
-    pub fn all(slices: &[Slice]) -> Vec<Band> {
+    /// Of rings that have grown by their share of `by`, m.
+    pub fn all(slices: &[Slice], by: f64) -> Vec<Band> {
         let band = |block| Band {
-            ring: lanes(slices, block, |slice| slice.ring, |last| last),
+            ring: lanes(slices, block, |slice| slice.ring + slice.fraction * by, |last| last),
             cloth: lanes(slices, block, |slice| slice.weight * slice.cloth, |_| 0.0),
             hanging: lanes(slices, block, |slice| slice.weight * slice.below, |_| 0.0),
         };
@@ -76,6 +77,11 @@ impl Grid {
         let entry = |row: usize, lane: usize| if back { running[row].get(lane) } else { running.get(lane).map(|to| &to[row]) };
         let one = |row: usize, block: usize| Lanes(std::array::from_fn(|lane| entry(row, block * WIDTH + lane).map_or(0.0, |w| -w)));
         (0..slices).flat_map(|row| (0..slices.div_ceil(WIDTH)).map(move |block| one(row, block))).collect()
+    }
+
+    /// The same cloth with its hem's radius grown by `by`, m.
+    pub fn lengthened(&self, by: f64, growth: f64, slices: &[Slice]) -> Grid {
+        Grid { growth, bands: Band::all(slices, by), ..self.clone() }
     }
 
     /// Registers of one field.

@@ -130,7 +130,7 @@ impl GradedShell {
             growth,
             weights: weights.clone(),
             waves: (0..count).flat_map(|n| (1..=setup.harmonics).map(move |k| (n, k))).map(|(n, k)| wave(n, k)).collect(),
-            bands: Band::all(&slices),
+            bands: Band::all(&slices, 0.0),
             basis: Grid::basis(&slices, setup.modes),
             around: kernel.transpose().as_slice().to_vec(),
             around_back: kernel.as_slice().to_vec(),
@@ -167,21 +167,32 @@ impl GradedShell {
     /// Cloth and waist stay as they are; the rings between are lengthened in proportion to their distance from the waist. At a minimum over
     /// `alpha` it is the derivative of the least energy. Central difference: right to about nine digits.
     pub fn length_multiplier(&self, alpha: &DVector<f64>) -> Option<f64> {
-        per_length(self.hem, |by| self.lengthened(by).budget(alpha).map(|budget| budget.gravity + budget.bending + budget.shear))
+        self.length_multiplier_at(self.setup.rigidity, alpha)
+    }
+
+    /// The same for cloth of flexural rigidity `rigidity`, N·m.
+    pub fn length_multiplier_at(&self, rigidity: f64, alpha: &DVector<f64>) -> Option<f64> {
+        let setup = Setup { rigidity, ..self.setup };
+        per_length(self.hem, |by| {
+            let grid = self.grid.lengthened(by, self.growth_of(by), &self.slices);
+            Some(Shape::of(&grid, alpha.as_slice())?.energies(&grid, &setup).iter().sum())
+        })
+    }
+
+    /// Growth of R per metre of slant where the hem's radius has grown by `by`, m: the waist stays.
+    fn growth_of(&self, by: f64) -> f64 {
+        self.growth + by / self.slices.iter().map(|slice| slice.weight).sum::<f64>()
     }
 
     /// The same cloth with its hem's radius grown by `by`, m.
     pub(super) fn lengthened(&self, by: f64) -> GradedShell {
         let mut longer = self.clone();
-        // The growth of R per metre of slant, from the waist, which stays.
-        let slant = self.slices.iter().map(|slice| slice.weight).sum::<f64>();
         longer.hem += by;
-        longer.growth += by / slant;
+        longer.growth = self.growth_of(by);
+        longer.grid = self.grid.lengthened(by, longer.growth, &self.slices);
         for slice in &mut longer.slices {
             slice.ring += slice.fraction * by;
         }
-        longer.grid.growth = longer.growth;
-        longer.grid.bands = Band::all(&longer.slices);
         longer
     }
 
@@ -195,22 +206,34 @@ impl GradedShell {
         self.hem
     }
 
-    /// The derivatives of the energy by the coefficients, J; `None` where [`GradedShell::budget`] is.
-    pub fn gradient(&self, alpha: &DVector<f64>) -> Option<DVector<f64>> {
+    /// The derivatives of the energy by the coefficients, J, of cloth of flexural rigidity `rigidity` (N·m); `None` where [`GradedShell::budget`] is.
+    pub fn gradient_at(&self, rigidity: f64, alpha: &DVector<f64>) -> Option<DVector<f64>> {
+        let setup = Setup { rigidity, ..self.setup };
         let shape = Shape::of(&self.grid, alpha.as_slice())?;
-        Some(DVector::from_vec(forces(&self.grid, &self.setup, &shape).1))
+        Some(DVector::from_vec(forces(&self.grid, &setup, &shape).1))
+    }
+
+    /// The expansion for cloth of flexural rigidity `rigidity`, N·m, in place of the shell's own.
+    pub fn expand_at(&self, rigidity: f64, alpha: &DVector<f64>) -> Option<Expansion> {
+        let (n, setup) = (alpha.len(), Setup { rigidity, ..self.setup });
+        let shape = Shape::of(&self.grid, alpha.as_slice())?;
+        let value = shape.energies(&self.grid, &setup).iter().sum();
+        let (forces, gradient) = forces(&self.grid, &setup, &shape);
+        let mut hessian = DMatrix::from_vec(n, n, hessian(&self.grid, &setup, &shape, &forces));
+        // Exact derivatives are symmetric up to rounding; the eigenvalue solver wants them exactly so.
+        for i in 0..n {
+            for j in 0..i {
+                let mean = 0.5 * (hessian[(i, j)] + hessian[(j, i)]);
+                (hessian[(i, j)], hessian[(j, i)]) = (mean, mean);
+            }
+        }
+        Some(Expansion { value, gradient: DVector::from_vec(gradient), hessian })
     }
 }
 
 impl Smooth for GradedShell {
     fn expand(&self, alpha: &DVector<f64>) -> Option<Expansion> {
-        let n = alpha.len();
-        let shape = Shape::of(&self.grid, alpha.as_slice())?;
-        let value = shape.energies(&self.grid, &self.setup).iter().sum();
-        let (forces, gradient) = forces(&self.grid, &self.setup, &shape);
-        let hessian = DMatrix::from_vec(n, n, hessian(&self.grid, &self.setup, &shape, &forces));
-        // Exact derivatives are symmetric up to rounding; the eigenvalue solver wants them exactly so.
-        Some(Expansion { value, gradient: DVector::from_vec(gradient), hessian: 0.5 * (&hessian + hessian.transpose()) })
+        self.expand_at(self.setup.rigidity, alpha)
     }
 }
 
