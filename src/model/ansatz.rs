@@ -108,8 +108,8 @@ fn integrals<V: Vector, const N: usize>(shell: &AnsatzShell, hem: &Hem, level: u
     let (blocks, parts) = (nodes.len(), Jets::<V, N>::PARTS);
     let mut speeds = vec![Lanes::ZERO; parts * blocks];
     let mut mean = Jets::constant(V::zero());
-    for (block, node) in nodes.iter().enumerate() {
-        let speed = Places::<V, N>::at(hem, node).speed();
+    for (block, (cos, sin)) in nodes.iter().enumerate() {
+        let speed = Places::<V, N>::at(hem, (V::of(cos), V::of(sin))).speed();
         speed.store(&mut speeds, block, blocks);
         mean = mean + speed;
     }
@@ -121,8 +121,8 @@ fn integrals<V: Vector, const N: usize>(shell: &AnsatzShell, hem: &Hem, level: u
     let (radius, inverse) = (Jets::all(&radius), Jets::all(&radius.recip()));
     let (mut gravity, mut bending) = (Jets::constant(V::zero()), Jets::constant(V::zero()));
     let mut short = V::zero();
-    for (block, node) in nodes.iter().enumerate() {
-        let place = Places::<V, N>::at(hem, node);
+    for (block, (cos, sin)) in nodes.iter().enumerate() {
+        let place = Places::<V, N>::at(hem, (V::of(cos), V::of(sin)));
         let speed = Jets::load(&speeds, block, blocks);
         // e^{i(t − σ)} turns from the frame of t to the frame of σ.
         let lag = Jets::load(&lags_of, block, blocks).scaled(V::all(-1.0 / m)) * inverse;

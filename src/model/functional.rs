@@ -9,7 +9,7 @@ use super::hem::{Hem, midpoints};
 use crate::experiment::Skirt;
 use crate::numerics::jet::Jet;
 use crate::numerics::lanes::jets::Jets;
-use crate::numerics::lanes::{Lanes, Vector, WIDTH};
+use crate::numerics::lanes::{Vector, WIDTH};
 use crate::vectorized;
 
 /// A quantity of a hem with exact gradient and Hessian in (p, q, s).
@@ -59,7 +59,8 @@ impl HemPoint {
 }
 
 /// The same at eight places, with derivatives by the first N of p, q, s.
-pub(super) struct Places<V, const N: usize> {
+#[derive(Debug, Clone, Copy)]
+pub struct Places<V, const N: usize> {
     pub position: (Jets<V, N>, Jets<V, N>),
     pub velocity: (Jets<V, N>, Jets<V, N>),
     pub acceleration: (Jets<V, N>, Jets<V, N>),
@@ -68,8 +69,8 @@ pub(super) struct Places<V, const N: usize> {
 impl<V: Vector, const N: usize> Places<V, N> {
     /// At fold phases of given cosine and sine.
     #[inline(always)]
-    pub fn at(hem: &Hem, (cos, sin): &(Lanes, Lanes)) -> Self {
-        let (m, cos, sin) = (f64::from(hem.folds.max(1)), V::of(cos), V::of(sin));
+    pub fn at(hem: &Hem, (cos, sin): (V, V)) -> Self {
+        let m = f64::from(hem.folds.max(1));
         let (sin2, cos2) = (sin * cos * 2.0, V::all(1.0) - sin * sin * 2.0);
         let (zero, one) = (V::zero(), V::all(1.0));
         Places {
@@ -144,8 +145,8 @@ vectorized! {
     fn mean_speed<V>(hem: &Hem, level: usize) -> HemJet {
         let nodes = midpoints(level);
         let mut sum = Jets::<V, 3>::constant(V::zero());
-        for node in nodes {
-            sum = sum + Places::at(hem, node).speed();
+        for (cos, sin) in nodes {
+            sum = sum + Places::at(hem, (V::of(cos), V::of(sin))).speed();
         }
         sum.sum() * (1.0 / (nodes.len() * WIDTH) as f64)
     }
