@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use crate::experiment::Point;
 use crate::model::functional::Places;
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::lanes::{Lanes, Vector, WIDTH, multiple_angle, small_angle, turned};
+use crate::numerics::lanes::{Lanes, WIDTH, multiple_angle, small_angle, turned};
 use crate::numerics::least_squares::{Options, Problem, solve};
 use crate::vectorized;
 

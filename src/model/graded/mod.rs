@@ -5,7 +5,7 @@
 //! `ρ_A g ∫∫ (z + ℓ) R dℓ dσ`, bending `(B/2) ∫∫ (κ_1² + κ_2²) R dℓ dσ` from the full second fundamental form, and if asked shear `(S/2) ∫∫ γ² R dℓ dσ`,
 //! `γ² = g_σℓ²/(g_σσ g_ℓℓ)`. Source: docs/model.md, section 5b.
 //!
-//! Values (`shape`), gradient (`force`) and exact Hessian (`curvature`) are written by hand, eight slices to a register (`grid`).
+//! Values (`shape`), gradient (`force`) and exact Hessian (`curvature`, from `moves` and `local`) are written by hand, eight slices to a register (`grid`).
 
 use std::f64::consts::PI;
 
@@ -15,6 +15,8 @@ mod curvature;
 mod density;
 mod force;
 mod grid;
+mod local;
+mod moves;
 mod shape;
 
 pub use super::height::HeightBasis;
@@ -110,10 +112,11 @@ impl GradedShell {
                 }
             })
             .collect();
-        let running = running_integral(setup.slices);
-        let measure: Vec<f64> = rule.iter().map(|(s, _)| setup.basis.height(*s).1 * slant).collect();
-        let running = running.into_iter().map(|row| row.iter().zip(&measure).map(|(a, b)| a * b).collect()).collect();
-        let running: Vec<Vec<f64>> = running;
+        let mut running = running_integral(setup.slices);
+        for (j, (s, _)) in rule.iter().enumerate() {
+            let measure = setup.basis.height(*s).1 * slant;
+            running.iter_mut().for_each(|row| row[j] *= measure);
+        }
         let kernel = kernel(1.0, m, half, &table);
         let growth = (hem - waist) / slant;
         let weights: Vec<f64> = (0..count).map(|n| PI / half as f64 * if n == 0 || n == half { 1.0 } else { 2.0 }).collect();
@@ -272,19 +275,60 @@ mod tests {
 
     #[test]
     fn gradient_and_hessian_agree_with_central_differences() {
-        for (basis, shear) in [(HeightBasis::Polynomial, 0.0), (HeightBasis::Layer { width: 0.05 }, 0.02)] {
-            let shell = shell(basis, 2, 3, shear);
-            let alpha = DVector::from_vec(vec![1.3, -0.3, 0.1, -0.1, 0.05, 0.02]);
+        let layer = HeightBasis::Layer { width: 0.05 };
+        // Slices that fill their registers, and slices that do not; every term.
+        let cases = [(HeightBasis::Polynomial, 2, 3, 24, 0.0), (layer, 2, 3, 24, 0.02), (layer, 3, 4, 13, 0.0), (layer, 1, 2, 7, 0.5)];
+        for (basis, harmonics, modes, slices, shear) in cases {
+            let setup = Setup { slices, ..*shell(basis, harmonics, modes, shear).setup() };
+            let shell = GradedShell::new(&Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap(), setup);
+            let n = harmonics * modes;
+            let alpha = DVector::from_fn(n, |i, _| if i == 0 { 1.3 } else { 0.3 * (2.5 * i as f64).cos() / (1 + i) as f64 });
             let exact = shell.expand(&alpha).unwrap();
             let h = 1e-5;
-            for k in 0..6 {
-                let step = DVector::from_fn(6, |i, _| if i == k { h } else { 0.0 });
+            for k in 0..n {
+                let step = DVector::from_fn(n, |i, _| if i == k { h } else { 0.0 });
                 let (up, down) = (shell.expand(&(&alpha + &step)).unwrap(), shell.expand(&(&alpha - &step)).unwrap());
                 let scale = exact.hessian.amax();
                 // Truncation h²f‴/6 ~ 1e-10 and rounding eps/h ~ 2e-11, both relative to the scale of the function.
-                assert!((exact.gradient[k] - (up.value - down.value) / (2.0 * h)).abs() < 1e-8 * scale, "{k}");
-                assert!((exact.hessian.column(k) - (up.gradient - down.gradient) / (2.0 * h)).amax() < 1e-7 * scale, "{k}");
+                assert!((exact.gradient[k] - (up.value - down.value) / (2.0 * h)).abs() < 1e-8 * scale, "{setup:?} {k}");
+                assert!((exact.hessian.column(k) - (up.gradient - down.gradient) / (2.0 * h)).amax() < 1e-7 * scale, "{setup:?} {k}");
             }
         }
+    }
+
+    #[test]
+    fn cloth_of_another_rigidity_is_a_shell_of_its_own() {
+        let basis = HeightBasis::Layer { width: 0.05 };
+        let alpha = DVector::from_vec(vec![1.3, -0.3, 0.1, -0.1, 0.05, 0.02]);
+        let shell = shell(basis, 2, 3, 0.02);
+        let setup = Setup { rigidity: 4e-5, ..*shell.setup() };
+        let stiff = GradedShell::new(&Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap(), setup);
+        let (own, other) = (stiff.expand(&alpha).unwrap(), shell.expand_at(4e-5, &alpha).unwrap());
+        assert_eq!((own.value, &own.gradient, own.hessian), (other.value, &other.gradient, other.hessian));
+        assert_eq!(shell.gradient_at(4e-5, &alpha).unwrap(), own.gradient);
+        assert_eq!(stiff.length_multiplier(&alpha), shell.length_multiplier_at(4e-5, &alpha));
+    }
+
+    #[test]
+    fn slices_that_only_fill_a_register_change_nothing() {
+        // Of 23 slices one lane is left over, of 24 none.
+        let energy = |slices: usize| {
+            let setup = Setup { slices, ..*shell(HeightBasis::Layer { width: 0.3 }, 1, 2, 0.01).setup() };
+            let shell = GradedShell::new(&Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap(), setup);
+            shell.budget(&DVector::from_vec(vec![0.4, -0.1])).unwrap()
+        };
+        let (odd, even) = (energy(23), energy(24));
+        for (a, b) in [(odd.gravity, even.gravity), (odd.bending, even.bending), (odd.shear, even.shear)] {
+            // Gauss–Legendre converges geometrically; 23 nodes are far beyond rounding here.
+            assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn generatrices_that_are_too_short_have_no_energy() {
+        let shell = shell(HeightBasis::Layer { width: 0.05 }, 1, 2, 0.0);
+        let alpha = DVector::from_vec(vec![40.0, 0.0]);
+        assert!(shell.budget(&alpha).is_none() && shell.expand(&alpha).is_none());
+        assert!(shell.budget(&DVector::from_vec(vec![f64::NAN, 0.0])).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! Products of matrices of which one has its columns in lanes: linear maps of fields that lie eight points to a register.
 
-use super::{Lanes, Vector, WIDTH};
+use super::{Lanes, Vector};
 use crate::vectorized;
 
 /// A matrix of plain numbers, row by row.
@@ -18,7 +18,7 @@ vectorized! {
     ///
     /// Each sum is taken in the order of l, every product fused with it.
     pub fn product<V>(rows: Rows<'_>, factor: &[Lanes], columns: usize, out: &mut [Lanes]) -> usize {
-        let count = out.len() / columns;
+        let count = out.len().checked_div(columns).unwrap_or(0);
         let mut column = 0;
         while column < columns {
             let wide = if 4 <= columns - column { 4 } else if 2 <= columns - column { 2 } else { 1 };
@@ -132,6 +132,7 @@ fn dots<V: Vector, const R: usize, const C: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::lanes::WIDTH;
 
     fn fields(count: usize, phase: f64) -> Vec<Lanes> {
         (0..count).map(|i| Lanes(std::array::from_fn(|lane| (phase + 0.7 * (i * WIDTH + lane) as f64).sin()))).collect()
