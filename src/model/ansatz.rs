@@ -14,7 +14,7 @@ use crate::experiment::Skirt;
 use crate::numerics::jet::Jet;
 use crate::numerics::lanes::jets::Jets;
 use crate::numerics::lanes::product::{Rows, product};
-use crate::numerics::lanes::{Lanes, Vector, WIDTH, numbers};
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, numbers, sin_cos};
 use crate::vectorized;
 
 /// The ruled shell of one skirt over the paper's curves.
@@ -126,11 +126,7 @@ fn integrals<V: Vector, const N: usize>(shell: &AnsatzShell, hem: &Hem, level: u
         let speed = Jets::load(&speeds, block, blocks);
         // e^{i(t − σ)} turns from the frame of t to the frame of σ.
         let lag = Jets::load(&lags_of, block, blocks).scaled(V::all(-1.0 / m)) * inverse;
-        let (angle, mut sin, mut cos) = (lag.value.lanes(), Lanes::ZERO, Lanes::ZERO);
-        for lane in 0..WIDTH {
-            (sin.0[lane], cos.0[lane]) = angle.0[lane].sin_cos();
-        }
-        let (sin, cos) = (V::of(&sin), V::of(&cos));
+        let (sin, cos) = sin_cos(lag.value);
         let (sin, cos) = (lag.chain(sin, cos, -sin), lag.chain(cos, -sin, -cos));
         let x = (place.position.0 * cos - place.position.1 * sin).shifted(V::all(-shell.waist));
         let y = place.position.0 * sin + place.position.1 * cos;

@@ -12,7 +12,9 @@ use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
 use crate::model::energy::gravity::Gravity;
 use crate::numerics::jet::Jet;
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, sin_cos, turned};
 use crate::numerics::minimize::{Expansion, Smooth};
+use crate::vectorized;
 
 /// The ruled shell of one skirt over hems of `folds` folds and `harmonics` coefficients, discretized.
 ///
@@ -360,31 +362,25 @@ impl TangentHem {
     }
 
     /// h(φ) and dh/dφ at φ = mσ, m.
-    fn turning(&self, phi: f64) -> ((f64, f64), (f64, f64)) {
-        let (mut x, mut y) = (0.0, 0.0);
-        let (mut psi, mut strain) = (0.0, 0.0);
-        // e^{ijφ} as powers of e^{iφ}: one sine for all of them.
-        let (sin_phi, cos_phi) = phi.sin_cos();
-        let (mut sin, mut cos) = (0.0, 1.0);
-        for j in 0..self.modes.len().max(self.coefficients.len()).max(self.strains.len()) {
-            let (plus, minus) = self.modes.get(j).copied().unwrap_or_default();
-            x += (plus + minus) * cos;
-            y += (plus - minus) * sin;
-            strain += self.strains.get(j).map_or(0.0, |e| e * cos);
-            (sin, cos) = (sin * cos_phi + cos * sin_phi, cos * cos_phi - sin * sin_phi);
-            psi += self.coefficients.get(j).map_or(0.0, |a| a * sin);
-        }
+    fn turning(&self, phi: f64) -> [[f64; 2]; 2] {
+        turnings(self, &[phi])[0]
+    }
+
+    /// Positions at many material angles, m.
+    pub fn positions(&self, sigmas: &[f64]) -> Vec<[f64; 2]> {
         let m = f64::from(self.folds);
-        let (sin, cos) = psi.sin_cos();
-        let stretched = self.hem * (1.0 + strain);
-        // From h − i m dh/dφ = R_n (1 + ε) e^{iψ}.
-        ((x, y), (-(stretched * sin - y) / m, (stretched * cos - x) / m))
+        let phis: Vec<f64> = sigmas.iter().map(|sigma| m * sigma).collect();
+        let turned = |([[x, y], _], sigma): ([[f64; 2]; 2], &f64)| {
+            let (sin, cos) = sigma.sin_cos();
+            [x * cos - y * sin, x * sin + y * cos]
+        };
+        turnings(self, &phis).into_iter().zip(sigmas).map(turned).collect()
     }
 
     /// Position (m) and its first and second derivative by σ.
     pub fn local(&self, sigma: f64) -> [[f64; 2]; 3] {
         let m = f64::from(self.folds);
-        let ((x, y), _) = self.turning(m * sigma);
+        let [[x, y], _] = self.turning(m * sigma);
         let turned = |(x, y): (f64, f64), angle: f64| {
             let (sin, cos) = angle.sin_cos();
             [x * cos - y * sin, x * sin + y * cos]
@@ -405,9 +401,9 @@ impl TangentHem {
         let m = f64::from(self.folds);
         // Where the points fall alike in every fold, one fold says everything.
         let period = if n.is_multiple_of(self.folds as usize) { n / self.folds as usize } else { n };
-        let fold: Vec<(f64, f64)> = (0..period).map(|i| self.turning(m * TAU * i as f64 / n as f64).0).collect();
+        let fold = turnings(self, &(0..period).map(|i| m * TAU * i as f64 / n as f64).collect::<Vec<f64>>());
         let place = |i: usize| {
-            let ((x, y), (sin, cos)) = (fold[i % period], (TAU * i as f64 / n as f64).sin_cos());
+            let ([[x, y], _], (sin, cos)) = (fold[i % period], (TAU * i as f64 / n as f64).sin_cos());
             Point::new(x * cos - y * sin, x * sin + y * cos)
         };
         (0..n).map(place).collect()
@@ -416,16 +412,16 @@ impl TangentHem {
     /// Least and greatest distance of the hem from the axis, m.
     pub fn radius_range(&self) -> (f64, f64) {
         const CELLS: usize = 64;
-        let at = |phi: f64| {
-            let ((x, y), (dx, dy)) = self.turning(phi);
-            (x.hypot(y), x * dx + y * dy)
-        };
+        let polar = |[[x, y], [dx, dy]]: [[f64; 2]; 2]| (x.hypot(y), x * dx + y * dy);
+        let at = |phi: f64| polar(self.turning(phi));
         // The crest and the valley are extrema by symmetry; others show as sign changes of the slope between them.
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let mut see = |r: f64| (low, high) = (low.min(r), high.max(r));
         see(at(0.0).0);
         see(at(PI).0);
-        let edges: Vec<(f64, f64)> = (0..=CELLS).map(|i| PI * i as f64 / CELLS as f64).map(|phi| (phi, at(phi).1)).collect();
+        let phis: Vec<f64> = (0..=CELLS).map(|i| PI * i as f64 / CELLS as f64).collect();
+        let slopes = turnings(self, &phis).into_iter().map(|place| polar(place).1);
+        let edges: Vec<(f64, f64)> = phis.iter().copied().zip(slopes).collect();
         for pair in edges[1..CELLS].windows(2) {
             let ((mut a, sa), (mut b, sb)) = (pair[0], pair[1]);
             if sa * sb < 0.0 {
@@ -442,6 +438,44 @@ impl TangentHem {
     /// a_1 … a_K.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
+    }
+}
+
+vectorized! {
+    /// h(φ) and dh/dφ at many φ = mσ, m; eight at a time, the last of them as often as it takes.
+    fn turnings<V>(hem: &TangentHem, phis: &[f64]) -> Vec<[[f64; 2]; 2]> {
+        let m = f64::from(hem.folds);
+        let mut out = Vec::with_capacity(phis.len());
+        for chunk in phis.chunks(WIDTH) {
+            let mut lanes = Lanes([chunk[chunk.len() - 1]; WIDTH]);
+            lanes.0[..chunk.len()].copy_from_slice(chunk);
+            let (sin, cos) = sin_cos(V::of(&lanes));
+            let (mut x, mut y, mut psi, mut strain) = (V::zero(), V::zero(), V::zero(), V::zero());
+            // e^{ijφ} as powers of e^{iφ}: one sine for all of them.
+            let mut power = (V::all(1.0), V::zero());
+            for j in 0..hem.modes.len().max(hem.coefficients.len()).max(hem.strains.len()) {
+                if let Some((plus, minus)) = hem.modes.get(j) {
+                    x = power.0.mul_add(V::all(plus + minus), x);
+                    y = power.1.mul_add(V::all(plus - minus), y);
+                }
+                if let Some(e) = hem.strains.get(j) {
+                    strain = power.0.mul_add(V::all(*e), strain);
+                }
+                power = turned(power, (cos, sin));
+                if let Some(a) = hem.coefficients.get(j) {
+                    psi = power.1.mul_add(V::all(*a), psi);
+                }
+            }
+            let (sin, cos) = sin_cos(psi);
+            let stretched = (strain + 1.0) * hem.hem;
+            // From h − i m dh/dφ = R_n (1 + ε) e^{iψ}.
+            let (dx, dy) = ((y - stretched * sin) / V::all(m), (stretched * cos - x) / V::all(m));
+            let (x, y, dx, dy) = (x.lanes(), y.lanes(), dx.lanes(), dy.lanes());
+            for lane in 0..chunk.len() {
+                out.push([[x.0[lane], y.0[lane]], [dx.0[lane], dy.0[lane]]]);
+            }
+        }
+        out
     }
 }
 
@@ -520,10 +554,10 @@ mod tests {
         let curve = shell(3, 2).curve(&DVector::from_vec(vec![1.0, 0.2]));
         for i in 0..40 {
             let (phi, h) = (0.17 * f64::from(i), 1e-5);
-            let (_, exact) = curve.turning(phi);
-            let (up, down) = (curve.turning(phi + h).0, curve.turning(phi - h).0);
+            let [_, exact] = curve.turning(phi);
+            let (up, down) = (curve.turning(phi + h)[0], curve.turning(phi - h)[0]);
             // Rounding eps·R/h ~ 1e-11, truncation h²h‴/6 ~ 1e-11.
-            assert!((exact.0 - (up.0 - down.0) / (2.0 * h)).abs() < 1e-9 && (exact.1 - (up.1 - down.1) / (2.0 * h)).abs() < 1e-9);
+            assert!((0..2).all(|d| (exact[d] - (up[d] - down[d]) / (2.0 * h)).abs() < 1e-9));
         }
     }
 }

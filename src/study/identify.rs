@@ -299,12 +299,8 @@ fn flank_gap(folds: u32, radius: f64, a: &[f64]) -> Option<f64> {
     // Across the axis of a crest (σ = 0) and of a valley (σ = π/m), from that axis outwards.
     let across = |axis: f64, way: f64| {
         let (sin, cos) = axis.sin_cos();
-        (0..=NODES)
-            .map(|i| {
-                let [[x, y], ..] = curve.local(axis + way * PI / m * i as f64 / NODES as f64);
-                way * (y * cos - x * sin)
-            })
-            .collect::<Vec<f64>>()
+        let sigmas: Vec<f64> = (0..=NODES).map(|i| axis + way * PI / m * i as f64 / NODES as f64).collect();
+        curve.positions(&sigmas).into_iter().map(|[x, y]| way * (y * cos - x * sin)).collect::<Vec<f64>>()
     };
     let waists = [across(0.0, 1.0), across(PI / m, 1.0)];
     // A waist of the fold: a minimum between its end and the next axis.

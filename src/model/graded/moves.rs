@@ -3,8 +3,8 @@
 use super::grid::Grid;
 use super::local::OWN;
 use super::shape::{Shape, back, forth, read_plan, sources, write_plan};
-use crate::numerics::lanes::product::{Rows, product};
 use crate::numerics::lanes::Lanes;
+use crate::numerics::lanes::product::{Rows, product};
 use crate::vectorized;
 
 /// Sources whose plan is needed for each harmonic.

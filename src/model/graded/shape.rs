@@ -4,7 +4,7 @@ use super::Setup;
 use super::density::{Forms, Site};
 use super::grid::Grid;
 use crate::numerics::lanes::product::{Rows, product};
-use crate::numerics::lanes::{Lanes, Vector, WIDTH, numbers};
+use crate::numerics::lanes::{Lanes, Vector, numbers, sin_cos};
 use crate::vectorized;
 
 /// One shape of a shell.
@@ -158,17 +158,13 @@ vectorized! {
                     psi_sl = a1.mul_add(slope, psi_sl);
                     psi_ll = a2.mul_add(sine, psi_ll);
                 }
-                let (mut sin, mut cos) = (Lanes::ZERO, Lanes::ZERO);
-                let angle = psi.lanes();
-                for lane in 0..WIDTH {
-                    (sin.0[lane], cos.0[lane]) = angle.0[lane].sin_cos();
-                }
-                let turn = (V::of(&cos), V::of(&sin));
+                let (sin, cos) = sin_cos(psi);
+                let turn = (cos, sin);
                 for (column, source) in sources(psi_l, psi_ll, ring, grid.growth).into_iter().enumerate() {
                     write_plan(sources_of, forth(source, turn), grid, 2, (n, column, block));
                 }
                 let point = &mut points[n * blocks + block];
-                (point.sin, point.cos) = (sin, cos);
+                (point.sin, point.cos) = (sin.lanes(), cos.lanes());
                 (point.psi_l, point.psi_ll, point.psi_sl) = (psi_l.lanes(), psi_ll.lanes(), psi_sl.lanes());
                 point.t = (psi_s + 1.0).lanes();
             }
