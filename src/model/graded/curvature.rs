@@ -58,6 +58,7 @@ vectorized! {
         weighed: &mut [Lanes],
     ) -> () {
         let (harmonics, modes, blocks, size) = (grid.harmonics, grid.modes, grid.blocks, grid.size());
+        let mut w = [[V::zero(); ALL]; ALL];
         let mut columns: Vec<[Column; 3]> = vec![[[Lanes::ZERO; 13]; 3]; harmonics];
         for block in 0..blocks {
             let band = &grid.bands[block];
@@ -65,7 +66,7 @@ vectorized! {
                 let i = n * blocks + block;
                 let (point, force) = (&shape.points[i], &forces[i]);
                 let site = Site::<V>::of(point, shape.at(i), band, grid.growth);
-                let w = local(&site, force, V::of(&band.cloth) * (0.5 * grid.weights[n]), setup);
+                local(&mut w, &site, force, V::of(&band.cloth) * (0.5 * grid.weights[n]), setup);
                 let waves = &grid.waves[n * harmonics..][..harmonics];
                 for (k, columns) in columns.iter_mut().enumerate() {
                     columns_of(&w, force, &moves[k * size + i], waves[k], site.ring, columns);

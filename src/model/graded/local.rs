@@ -24,10 +24,14 @@ pub(super) const P: usize = 9;
 pub(super) const R: usize = 10;
 pub(super) const ALL: usize = 11;
 
-/// Second derivatives of density and fall by the fields; symmetric, only `[i][j]` with i ≤ j is filled.
+/// Second derivatives of density and fall by the fields, into `w`; symmetric, only `[i][j]` with i ≤ j is filled.
 #[inline(always)]
-pub(super) fn local<V: Vector>(s: &Site<V>, force: &Force, cloth: V, setup: &Setup) -> [[V; ALL]; ALL] {
-    let mut w = [[V::zero(); ALL]; ALL];
+pub(super) fn local<V: Vector>(w: &mut [[V; ALL]; ALL], s: &Site<V>, force: &Force, cloth: V, setup: &Setup) {
+    for row in w.iter_mut() {
+        for entry in row.iter_mut() {
+            *entry = V::zero();
+        }
+    }
     let forms = Forms::of(s);
     let slopes = slopes(&forms, cloth, setup);
     let mut bent = [[V::zero(); 5]; 5];
@@ -83,60 +87,59 @@ pub(super) fn local<V: Vector>(s: &Site<V>, force: &Force, cloth: V, setup: &Set
             if *other == P {
                 sum = theirs[E].mul_add(by[E], sum);
             }
-            add(&mut w, *field, *other, sum);
+            add(w, *field, *other, sum);
         }
         for (other, form, theirs) in &single {
-            add(&mut w, *field, *other, *theirs * by[*form]);
+            add(w, *field, *other, *theirs * by[*form]);
         }
     }
     for (i, (field, form, own)) in single.iter().enumerate() {
         for (other, to, theirs) in &single[i..] {
-            add(&mut w, *field, *other, *own * *theirs * bent[*form][*to]);
+            add(w, *field, *other, *own * *theirs * bent[*form][*to]);
         }
     }
     // Curvature of the forms themselves.
     let [e, f, e2, f2, g2] = [slopes[E], slopes[F], slopes[E2], slopes[F2], slopes[G2]];
     let (along, lever) = (over * g2, over * s.inverse * g2);
-    add(&mut w, P, P, e * 2.0);
-    add(&mut w, C, P, -f);
-    add(&mut w, C, T, ring * ring * e2);
-    add(&mut w, T, P, ring * s.y * e2);
-    add(&mut w, Y, T, ring * s.p * e2);
-    add(&mut w, Y, P, (s.t * ring).mul_sub(e2, s.a.mul_add(f2, s.x2 * g2)));
-    add(&mut w, X, R, -(ring * e2));
-    add(&mut w, C, A, -(ring * f2));
-    add(&mut w, A, P, -(s.y * f2));
-    add(&mut w, Y, A, -(s.p * f2));
-    add(&mut w, X, P, s.growth.mul_add(f2, s.y2 * g2));
-    add(&mut w, X, CS, ring * f2);
-    add(&mut w, X2, C, (lever * s.x).mul_sub(s.x, ring * g2));
-    add(&mut w, X2, P, -(s.y * g2));
-    add(&mut w, Y, X2, -(s.p * g2));
-    add(&mut w, Y2, P, s.x * g2);
-    add(&mut w, X, Y2, s.p.mul_sub(g2, along * s.y));
-    add(&mut w, X, X, along * s.x2 * -2.0);
-    add(&mut w, X, Y, -(along * s.y2));
-    add(&mut w, X, X2, along * s.x * -2.0);
-    add(&mut w, Y, Y2, -(along * s.x));
-    add(&mut w, X, C, lever * s.x.mul_add(s.x2, dot));
-    add(&mut w, Y, C, lever * s.x * s.y2);
-    add(&mut w, Y2, C, lever * s.x * s.y);
-    add(&mut w, C, C, lever * s.inverse * s.x * dot * -2.0);
+    add(w, P, P, e * 2.0);
+    add(w, C, P, -f);
+    add(w, C, T, ring * ring * e2);
+    add(w, T, P, ring * s.y * e2);
+    add(w, Y, T, ring * s.p * e2);
+    add(w, Y, P, (s.t * ring).mul_sub(e2, s.a.mul_add(f2, s.x2 * g2)));
+    add(w, X, R, -(ring * e2));
+    add(w, C, A, -(ring * f2));
+    add(w, A, P, -(s.y * f2));
+    add(w, Y, A, -(s.p * f2));
+    add(w, X, P, s.growth.mul_add(f2, s.y2 * g2));
+    add(w, X, CS, ring * f2);
+    add(w, X2, C, (lever * s.x).mul_sub(s.x, ring * g2));
+    add(w, X2, P, -(s.y * g2));
+    add(w, Y, X2, -(s.p * g2));
+    add(w, Y2, P, s.x * g2);
+    add(w, X, Y2, s.p.mul_sub(g2, along * s.y));
+    add(w, X, X, along * s.x2 * -2.0);
+    add(w, X, Y, -(along * s.y2));
+    add(w, X, X2, along * s.x * -2.0);
+    add(w, Y, Y2, -(along * s.x));
+    add(w, X, C, lever * s.x.mul_add(s.x2, dot));
+    add(w, Y, C, lever * s.x * s.y2);
+    add(w, Y2, C, lever * s.x * s.y);
+    add(w, C, C, lever * s.inverse * s.x * dot * -2.0);
     // And of the fall.
     let [itself, first, second] = [V::of(&force.fall[0]), V::of(&force.fall[1]), V::of(&force.fall[2])];
     for field in [X, Y, C] {
-        add(&mut w, field, field, -itself);
+        add(w, field, field, -itself);
     }
-    add(&mut w, C, CS, -first);
-    add(&mut w, C, CSS, -second);
-    add(&mut w, CS, CS, second * -2.0);
-    add(&mut w, X, A, -first);
-    add(&mut w, A, A, second * -2.0);
-    add(&mut w, X, T, second * s.growth);
-    add(&mut w, Y, T, -(second * s.a));
-    add(&mut w, Y, A, -(second * s.t));
-    add(&mut w, T, A, -(second * s.y));
-    w
+    add(w, C, CS, -first);
+    add(w, C, CSS, -second);
+    add(w, CS, CS, second * -2.0);
+    add(w, X, A, -first);
+    add(w, A, A, second * -2.0);
+    add(w, X, T, second * s.growth);
+    add(w, Y, T, -(second * s.a));
+    add(w, Y, A, -(second * s.t));
+    add(w, T, A, -(second * s.y));
 }
 
 #[inline(always)]
