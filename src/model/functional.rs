@@ -270,6 +270,7 @@ fn least_squares(samples: &[(f64, f64)]) -> Option<EquationFit> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::lanes::Lanes;
     use crate::units::Metre;
 
     const HEM: Hem = Hem { p: 0.1315, q: 0.0527, s: 0.00873, folds: 5 };
@@ -290,6 +291,13 @@ mod tests {
             let (jet, own) = (HemPoint::at(&HEM, 5.0 * t), HEM.local(t));
             let pairs = [(jet.position, own.position), (jet.velocity, own.velocity), (jet.acceleration, own.acceleration)];
             assert!(pairs.iter().all(|(a, b)| (a.0.value - b.0).abs() < 1e-14 && (a.1.value - b.1).abs() < 1e-13));
+            let (sin, cos) = (5.0 * t).sin_cos();
+            let eight = Places::<Lanes, 3>::at(&HEM, (Lanes([cos; WIDTH]), Lanes([sin; WIDTH])));
+            let pairs = [(jet.position, eight.position), (jet.velocity, eight.velocity), (jet.acceleration, eight.acceleration)];
+            for (jet, eight) in pairs.iter().flat_map(|(a, b)| [(a.0, b.0), (a.1, b.1)]) {
+                assert!((jet.value - eight.value.0[0]).abs() < 1e-13);
+                assert!((0..3).all(|i| (jet.gradient[i] - eight.gradient[i].0[0]).abs() < 1e-13));
+            }
         }
     }
 

@@ -12,7 +12,7 @@ use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
 use crate::model::energy::gravity::Gravity;
 use crate::numerics::jet::Jet;
-use crate::numerics::lanes::{Lanes, Vector, WIDTH, sin_cos, turned};
+use crate::numerics::lanes::{Lanes, WIDTH, sin_cos, turned};
 use crate::numerics::minimize::{Expansion, Smooth};
 use crate::vectorized;
 
@@ -104,13 +104,13 @@ impl RuledShell {
         let hem = self.position(&psi);
         let count = psi.len();
         let mut budget = Budget { gravity: 0.0, bending: 0.0 };
+        let bent = self.bent(psi.map(f64::cos).as_slice());
         for n in 0..count {
             let (x, y) = (hem[n] - self.waist, hem[count + n]);
             if let Some(gravity) = &self.gravity {
                 budget.gravity += self.weights[n] * gravity.density(x * x + y * y)?.value;
             }
-            if let Some(bending) = &self.bending {
-                let (constant, quadratic) = bending.by_cos(psi[n].cos(), self.hem);
+            if let Some((constant, quadratic)) = bent.get(n) {
                 budget.bending += self.weights[n] * (constant[0] + quadratic[0] * slope[n] * slope[n]);
             }
         }
@@ -148,6 +148,11 @@ impl RuledShell {
     pub(super) fn lengthened(&self, by: f64) -> RuledShell {
         let hem = self.hem + by;
         RuledShell { hem, kernel: &self.kernel * (hem / self.hem), ..self.clone() }
+    }
+
+    /// b_0 and b_2 with their derivatives at every node, from cos ψ there; none without rigidity.
+    fn bent(&self, cosines: &[f64]) -> Vec<([f64; 3], [f64; 3])> {
+        self.bending.as_ref().map_or_else(Vec::new, |bending| bending.by_cosines(cosines, self.hem))
     }
 
     /// (Re h, Im h) at the nodes, stacked, m.
@@ -207,7 +212,7 @@ impl RuledShell {
         let mut by_psi = DVector::zeros(count);
         let mut by_slope = DVector::zeros(count);
         let mut second = DMatrix::<f64>::zeros(count, 3);
-        let bent = self.bending.as_ref().map_or_else(Vec::new, |bending| bending.by_cosines(&source.as_slice()[..count], self.hem));
+        let bent = self.bent(&source.as_slice()[..count]);
         for n in 0..count {
             let (x, y) = (image[(n, 0)] - self.waist, image[(count + n, 0)]);
             let w = self.weights[n];
@@ -224,11 +229,9 @@ impl RuledShell {
                     loaded[(count + n, k)] = first * ty + along * y;
                 }
             }
-            if bent.is_empty() {
-                continue;
-            }
+            let Some((constant, quadratic)) = bent.get(n) else { continue };
             let (cos, sin) = (source[(n, 0)], source[(count + n, 0)]);
-            let (constant, quadratic) = (bent[n].0.map(|b| stiffer * b), bent[n].1.map(|b| stiffer * b));
+            let (constant, quadratic) = (constant.map(|b| stiffer * b), quadratic.map(|b| stiffer * b));
             // From derivatives by cos ψ to derivatives by ψ.
             let by_angle = |b: &[f64; 3]| (-sin * b[1], sin * sin * b[2] - cos * b[1]);
             let ((c1, c2), (q1, q2)) = (by_angle(&constant), by_angle(&quadratic));

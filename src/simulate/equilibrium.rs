@@ -49,8 +49,8 @@ pub struct Equilibrium {
 /// Both shells, as what this file needs of them.
 #[derive(Debug, Clone)]
 enum Shell {
-    Ruled(RuledShell),
-    Graded(GradedShell),
+    Ruled(Box<RuledShell>),
+    Graded(Box<GradedShell>),
 }
 
 /// A shell of unit weight and a given rigidity.
@@ -73,16 +73,14 @@ impl Shell {
     fn new(skirt: &Skirt, energy: Energy, folds: u32, layer: f64) -> Shell {
         match energy {
             Energy::Ruled { harmonics } => {
-                Shell::Ruled(RuledShell::new(skirt, 1.0, 1.0, folds, harmonics, half_nodes(harmonics), Bending::NODES))
+                Shell::Ruled(Box::new(RuledShell::new(skirt, 1.0, 1.0, folds, harmonics, half_nodes(harmonics), Bending::NODES)))
             }
             Energy::Graded { harmonics, modes } => {
                 let width = (layer.cbrt() / skirt.slant_length().0).clamp(1e-4, 1.0);
                 let (half, slices) = (16.max(6 * harmonics), 16.max(2 * modes + 4));
                 let basis = HeightBasis::Layer { width };
-                Shell::Graded(GradedShell::new(
-                    skirt,
-                    Setup { weight: 1.0, rigidity: 1.0, shear: 0.0, folds, harmonics, modes, basis, half, slices },
-                ))
+                let setup = Setup { weight: 1.0, rigidity: 1.0, shear: 0.0, folds, harmonics, modes, basis, half, slices };
+                Shell::Graded(Box::new(GradedShell::new(skirt, setup)))
             }
         }
     }

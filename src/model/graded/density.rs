@@ -154,6 +154,7 @@ impl<V: Vector> Forms<V> {
 
     /// Second derivatives of [`Forms::bending`] by the forms.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // Places in a symmetric table, not elements of a list.
     pub fn bending_curvatures(&self, stiffness: V) -> [[V; 5]; 5] {
         let (e, f, e2, f2, g2) = (self.e, self.f, self.e2, self.f2, self.g2);
         let base = self.inverse * self.inverse * (self.inverse * stiffness);
@@ -196,8 +197,8 @@ impl<V: Vector> Forms<V> {
             }
         }
         out[F][F] = q.mul_add(V::all(6.0), out[F][F]);
-        for i in 0..5 {
-            for j in 0..i {
+        for i in E..=G2 {
+            for j in E..i {
                 out[i][j] = out[j][i];
             }
         }

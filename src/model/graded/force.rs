@@ -147,9 +147,7 @@ vectorized! {
         let mut gradient = vec![0.0; harmonics * modes];
         let mut rings = vec![[Lanes::ZERO; 3]; harmonics];
         for block in 0..blocks {
-            for ring in &mut rings {
-                *ring = [Lanes::ZERO; 3];
-            }
+            rings.fill([Lanes::ZERO; 3]);
             let ring = V::of(&grid.bands[block].ring);
             for n in 0..grid.nodes {
                 let i = n * blocks + block;
