@@ -4,13 +4,18 @@
 //! Λ = 2πR_n it is inextensible, and off it the multiplier of the length is a force. Source: docs/model.md, section 5.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use super::energy::bending::Bending;
 use super::energy::gravity::Gravity;
-use super::functional::{HemJet, HemPoint};
-use super::hem::Hem;
+use super::functional::{HemJet, Places};
+use super::hem::{Hem, midpoints};
 use crate::experiment::Skirt;
 use crate::numerics::jet::Jet;
+use crate::numerics::lanes::jets::Jets;
+use crate::numerics::lanes::product::{Rows, product};
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, numbers, sin_cos};
+use crate::vectorized;
 
 /// The ruled shell of one skirt over the paper's curves.
 #[derive(Debug, Clone)]
@@ -45,60 +50,101 @@ impl AnsatzShell {
 
     /// Energy of the hem; `None` where a generatrix does not reach it. Nodes are doubled until it holds to 1e-11.
     pub fn energy(&self, hem: &Hem) -> Option<AnsatzEnergy> {
-        let mut half = 32;
-        let mut last = self.energy_on(hem, half)?;
+        let mut level = FIRST;
+        let mut last = value(self, hem, level)?;
         loop {
-            half *= 2;
-            let next = self.energy_on(hem, half)?;
-            let (a, b) = (last.total().value, next.total().value);
+            level += 1;
+            let next = value(self, hem, level)?;
             // A curve with a near-cusp converges slowly; 512 nodes in half a fold resolve all that cloth can do.
-            if (a - b).abs() <= 1e-11 * b.abs() || 512 <= half || !b.is_finite() {
-                return b.is_finite().then_some(next);
+            if (last - next).abs() <= 1e-11 * next.abs() || LAST <= level || !next.is_finite() {
+                // Derivatives are worth their time only where the energy holds.
+                return if next.is_finite() { expansion(self, hem, level) } else { None };
             }
             last = next;
         }
     }
+}
 
-    /// Trapezoid rule on `half` intervals of half a fold.
-    fn energy_on(&self, hem: &Hem, half: usize) -> Option<AnsatzEnergy> {
-        let m = f64::from(hem.folds.max(1));
-        let points: Vec<HemPoint> = (0..=half).map(|n| HemPoint::at(hem, PI * n as f64 / half as f64)).collect();
-        let speeds: Vec<HemJet> = points.iter().map(HemPoint::speed).collect();
-        let weight = |n: usize| if n == 0 || n == half { 0.5 } else { 1.0 } / half as f64;
-        let table: Vec<(f64, f64)> = (0..2 * half).map(|i| (PI * i as f64 / half as f64).sin_cos()).collect();
-        // Cosine series of the speed; its integral is a sine series, exact to the last resolved mode.
-        let modes: Vec<HemJet> = (0..half)
-            .map(|k| (0..=half).fold(Jet::constant(0.0), |sum, n| sum + speeds[n] * (weight(n) * table[n * k % (2 * half)].1)))
-            .collect();
-        // |dc/dσ|, the same all round: Λ/2π.
-        let radius = modes[0];
-        let inverse = radius.recip();
-        let (mut gravity, mut bending) = (Jet::constant(0.0), Jet::constant(0.0));
-        for n in 0..=half {
-            let point = &points[n];
-            let lag = modes
-                .iter()
-                .enumerate()
-                .skip(1)
-                .fold(Jet::constant(0.0), |sum, (k, mode)| sum + *mode * (2.0 * table[n * k % (2 * half)].0 / (k as f64 * m)));
-            // e^{i(t − σ)} turns from the frame of t to the frame of σ.
-            let (sin, cos) = (-(lag * inverse)).sin_cos();
-            let turned = |(x, y): (HemJet, HemJet)| (x * cos - y * sin, x * sin + y * cos);
-            let (x, y) = turned(point.position);
-            let x = x - self.waist;
-            let lean = x.square() + y.square();
-            let rise = self.gravity.density(lean.value)?;
-            let slowness = speeds[n].recip();
-            let cos_psi = turned(point.velocity).1 * slowness;
-            let cross = point.velocity.0 * point.acceleration.1 - point.velocity.1 * point.acceleration.0;
-            let twist = cross * slowness.square() * slowness * radius - 1.0;
-            let (constant, quadratic) = self.bending.density(cos_psi, radius);
-            let measure = speeds[n] * inverse * (TAU * weight(n));
-            gravity = gravity + lean.chain(rise.value, rise.first, rise.second) * measure;
-            bending = bending + (constant + quadratic * twist.square()) * measure;
-        }
-        Some(AnsatzEnergy { gravity, bending })
+/// Levels of the midpoint rule, 32 to 512 nodes in half a fold.
+const FIRST: usize = 1;
+const LAST: usize = 5;
+
+/// m times the lag t − σ from the speeds, over the mean speed: rows by node of the speed, lanes by node of the lag.
+///
+/// The cosine series of the speed is integrated term by term: `Σ_k (2/N) Σ_n v_n cos kφ_n sin kφ/k`, exact to the last resolved mode.
+fn lags(level: usize) -> &'static [Lanes] {
+    static LAGS: [OnceLock<Vec<Lanes>>; LAST + 1] = [const { OnceLock::new() }; LAST + 1];
+    LAGS[level].get_or_init(|| {
+        let count = 16 << level;
+        let sines: Vec<f64> = (0..2 * count).map(|i| (PI * i as f64 / count as f64).sin()).collect();
+        // Σ_k sin(kδ)/k over the resolved modes, on the grid of shifts.
+        let shifted: Vec<f64> = (0..2 * count).map(|d| (1..count).map(|k| sines[k * d % (2 * count)] / k as f64).sum()).collect();
+        // sin a cos b = (sin(a + b) + sin(a − b))/2, and midpoints differ by whole steps.
+        let entry = |from: usize, to: usize| {
+            (shifted[(to + from + 1) % (2 * count)] + shifted[(to + 2 * count - from) % (2 * count)]) / count as f64
+        };
+        let block = |from: usize, block: usize| Lanes(std::array::from_fn(|lane| entry(from, block * WIDTH + lane)));
+        (0..count).flat_map(|from| (0..count / WIDTH).map(move |b| block(from, b))).collect()
+    })
+}
+
+vectorized! {
+    /// Gravity and bending together, J.
+    fn value<V>(shell: &AnsatzShell, hem: &Hem, level: usize) -> Option<f64> {
+        integrals::<V, 0>(shell, hem, level).map(|[gravity, bending]| gravity.value + bending.value)
     }
+}
+
+vectorized! {
+    fn expansion<V>(shell: &AnsatzShell, hem: &Hem, level: usize) -> Option<AnsatzEnergy> {
+        integrals::<V, 3>(shell, hem, level).map(|[gravity, bending]| AnsatzEnergy { gravity, bending })
+    }
+}
+
+/// Gravity and bending by the midpoint rule, with derivatives by the first N of p, q, s.
+#[inline(always)]
+fn integrals<V: Vector, const N: usize>(shell: &AnsatzShell, hem: &Hem, level: usize) -> Option<[Jet<N>; 2]> {
+    let (nodes, m) = (midpoints(level), f64::from(hem.folds.max(1)));
+    let (blocks, parts) = (nodes.len(), Jets::<V, N>::PARTS);
+    let mut speeds = vec![Lanes::ZERO; parts * blocks];
+    let mut mean = Jets::constant(V::zero());
+    for (block, (cos, sin)) in nodes.iter().enumerate() {
+        let speed = Places::<V, N>::at(hem, (V::of(cos), V::of(sin))).speed();
+        speed.store(&mut speeds, block, blocks);
+        mean = mean + speed;
+    }
+    let count = blocks * WIDTH;
+    // |dc/dσ|, the same all round: Λ/2π.
+    let radius: Jet<N> = mean.sum() * (1.0 / count as f64);
+    let mut lags_of = vec![Lanes::ZERO; parts * blocks];
+    product(Rows { numbers: numbers(&speeds), stride: count, inner: count }, lags(level), blocks, &mut lags_of);
+    let (radius, inverse) = (Jets::all(&radius), Jets::all(&radius.recip()));
+    let (mut gravity, mut bending) = (Jets::constant(V::zero()), Jets::constant(V::zero()));
+    let mut short = V::zero();
+    for (block, (cos, sin)) in nodes.iter().enumerate() {
+        let place = Places::<V, N>::at(hem, (V::of(cos), V::of(sin)));
+        let speed = Jets::load(&speeds, block, blocks);
+        // e^{i(t − σ)} turns from the frame of t to the frame of σ.
+        let lag = Jets::load(&lags_of, block, blocks).scaled(V::all(-1.0 / m)) * inverse;
+        let (sin, cos) = sin_cos(lag.value);
+        let (sin, cos) = (lag.chain(sin, cos, -sin), lag.chain(cos, -sin, -cos));
+        let x = (place.position.0 * cos - place.position.1 * sin).shifted(V::all(-shell.waist));
+        let y = place.position.0 * sin + place.position.1 * cos;
+        let lean = x.square() + y.square();
+        let (rise, reaches) = shell.gravity.densities(lean.value);
+        short = short + (V::all(1.0) - reaches);
+        let slowness = speed.recip();
+        let cos_psi = (place.velocity.0 * sin + place.velocity.1 * cos) * slowness;
+        let cross = place.velocity.0 * place.acceleration.1 - place.velocity.1 * place.acceleration.0;
+        let twist = (cross * slowness.square() * slowness * radius).shifted(V::all(-1.0));
+        let [constant, quadratic] = shell.bending.densities(cos_psi.value, radius.value);
+        let constant = Jets::compose(&constant, &cos_psi, &radius);
+        let quadratic = Jets::compose(&quadratic, &cos_psi, &radius);
+        let measure = (speed * inverse).scaled(V::all(TAU / count as f64));
+        gravity = gravity + lean.chain(rise[0], rise[1], rise[2]) * measure;
+        bending = bending + (constant + quadratic * twist.square()) * measure;
+    }
+    (short.sum() == 0.0).then(|| [gravity.sum(), bending.sum()])
 }
 
 #[cfg(test)]

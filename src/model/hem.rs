@@ -199,7 +199,7 @@ impl Hem {
 const LEVELS: usize = 10;
 
 /// cos mt and sin mt at the midpoints of half a fold (the other half is its mirror image), 16 · 2^level of them.
-fn midpoints(level: usize) -> &'static [(Lanes, Lanes)] {
+pub(super) fn midpoints(level: usize) -> &'static [(Lanes, Lanes)] {
     static NODES: [OnceLock<Vec<(Lanes, Lanes)>>; LEVELS] = [const { OnceLock::new() }; LEVELS];
     NODES[level].get_or_init(|| {
         let count = 16 << level;

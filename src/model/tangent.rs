@@ -12,7 +12,9 @@ use crate::experiment::{Point, Skirt};
 use crate::model::energy::bending::Bending;
 use crate::model::energy::gravity::Gravity;
 use crate::numerics::jet::Jet;
+use crate::numerics::lanes::{Lanes, WIDTH, sin_cos, turned};
 use crate::numerics::minimize::{Expansion, Smooth};
+use crate::vectorized;
 
 /// The ruled shell of one skirt over hems of `folds` folds and `harmonics` coefficients, discretized.
 ///
@@ -102,13 +104,13 @@ impl RuledShell {
         let hem = self.position(&psi);
         let count = psi.len();
         let mut budget = Budget { gravity: 0.0, bending: 0.0 };
+        let bent = self.bent(psi.map(f64::cos).as_slice());
         for n in 0..count {
             let (x, y) = (hem[n] - self.waist, hem[count + n]);
             if let Some(gravity) = &self.gravity {
                 budget.gravity += self.weights[n] * gravity.density(x * x + y * y)?.value;
             }
-            if let Some(bending) = &self.bending {
-                let (constant, quadratic) = bending.by_cos(psi[n].cos(), self.hem);
+            if let Some((constant, quadratic)) = bent.get(n) {
                 budget.bending += self.weights[n] * (constant[0] + quadratic[0] * slope[n] * slope[n]);
             }
         }
@@ -119,6 +121,11 @@ impl RuledShell {
     ///
     /// Derivative by |dc/dσ| alone, over 2π; cloth and waist stay as they are. At a minimum over `a` it is the derivative of the least energy.
     pub fn length_multiplier(&self, a: &DVector<f64>) -> Option<f64> {
+        self.length_multiplier_stiffer(1.0, a)
+    }
+
+    /// The same for cloth `stiffer` times as rigid as the shell's own.
+    pub fn length_multiplier_stiffer(&self, stiffer: f64, a: &DVector<f64>) -> Option<f64> {
         let (psi, slope) = (&self.sines * a, &self.slopes * a);
         let hem = self.position(&psi);
         let count = psi.len();
@@ -131,7 +138,7 @@ impl RuledShell {
             }
             if let Some(bending) = &self.bending {
                 let (constant, quadratic) = bending.density(Jet::<1>::constant(psi[n].cos()), Jet::variable(self.hem, 0));
-                sum += self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
+                sum += stiffer * self.weights[n] * (constant.gradient[0] + quadratic.gradient[0] * slope[n] * slope[n]);
             }
         }
         Some(sum / TAU)
@@ -141,6 +148,11 @@ impl RuledShell {
     pub(super) fn lengthened(&self, by: f64) -> RuledShell {
         let hem = self.hem + by;
         RuledShell { hem, kernel: &self.kernel * (hem / self.hem), ..self.clone() }
+    }
+
+    /// b_0 and b_2 with their derivatives at every node, from cos ψ there; none without rigidity.
+    fn bent(&self, cosines: &[f64]) -> Vec<([f64; 3], [f64; 3])> {
+        self.bending.as_ref().map_or_else(Vec::new, |bending| bending.by_cosines(cosines, self.hem))
     }
 
     /// (Re h, Im h) at the nodes, stacked, m.
@@ -155,22 +167,42 @@ impl RuledShell {
     }
 }
 
-impl Smooth for RuledShell {
-    /// Energy (J), gradient and Hessian by a_1 … a_K.
-    fn expand(&self, a: &DVector<f64>) -> Option<Expansion> {
+impl RuledShell {
+    /// The derivatives of gravity's energy by a_1 … a_K, J; `None` where a generatrix does not reach the hem.
+    pub fn gravity_gradient(&self, a: &DVector<f64>) -> Option<DVector<f64>> {
+        let psi = &self.sines * a;
+        let (hem, count) = (self.position(&psi), psi.len());
+        let mut force = DVector::zeros(2 * count);
+        for n in 0..count {
+            let (x, y) = (hem[n] - self.waist, hem[count + n]);
+            if let Some(gravity) = &self.gravity {
+                let first = 2.0 * self.weights[n] * gravity.density(x * x + y * y)?.first;
+                (force[n], force[count + n]) = (first * x, first * y);
+            }
+        }
+        let adjoint = self.kernel.tr_mul(&force);
+        let by_psi = DVector::from_fn(count, |n, _| {
+            let (sin, cos) = psi[n].sin_cos();
+            adjoint[count + n] * cos - adjoint[n] * sin
+        });
+        Some(self.sines.tr_mul(&by_psi))
+    }
+
+    /// Energy (J), gradient and Hessian by a_1 … a_K for cloth `stiffer` times as rigid as the shell's own.
+    pub fn expand_stiffer(&self, stiffer: f64, a: &DVector<f64>) -> Option<Expansion> {
         let (psi, slope) = (&self.sines * a, &self.slopes * a);
         let (count, harmonics) = (psi.len(), a.len());
         // Column 0: e^{iψ}; column k: its derivative i sin kφ e^{iψ}.
-        let source = DMatrix::from_fn(2 * count, 1 + harmonics, |i, k| {
-            let n = if i < count { i } else { i - count };
-            let (sin, cos) = psi[n].sin_cos();
-            match (i < count, k) {
-                (true, 0) => cos,
-                (false, 0) => sin,
-                (true, _) => -self.sines[(n, k - 1)] * sin,
-                (false, _) => self.sines[(n, k - 1)] * cos,
+        let mut source = DMatrix::zeros(2 * count, 1 + harmonics);
+        for n in 0..count {
+            (source[(count + n, 0)], source[(n, 0)]) = psi[n].sin_cos();
+        }
+        for k in 0..harmonics {
+            for n in 0..count {
+                source[(n, k + 1)] = -self.sines[(n, k)] * source[(count + n, 0)];
+                source[(count + n, k + 1)] = self.sines[(n, k)] * source[(n, 0)];
             }
-        });
+        }
         let image = &self.kernel * &source;
         let tangent = image.columns(1, harmonics);
         let mut value = 0.0;
@@ -180,6 +212,7 @@ impl Smooth for RuledShell {
         let mut by_psi = DVector::zeros(count);
         let mut by_slope = DVector::zeros(count);
         let mut second = DMatrix::<f64>::zeros(count, 3);
+        let bent = self.bent(&source.as_slice()[..count]);
         for n in 0..count {
             let (x, y) = (image[(n, 0)] - self.waist, image[(count + n, 0)]);
             let w = self.weights[n];
@@ -196,9 +229,9 @@ impl Smooth for RuledShell {
                     loaded[(count + n, k)] = first * ty + along * y;
                 }
             }
-            let Some(bending) = &self.bending else { continue };
-            let (sin, cos) = psi[n].sin_cos();
-            let (constant, quadratic) = bending.by_cos(cos, self.hem);
+            let Some((constant, quadratic)) = bent.get(n) else { continue };
+            let (cos, sin) = (source[(n, 0)], source[(count + n, 0)]);
+            let (constant, quadratic) = (constant.map(|b| stiffer * b), quadratic.map(|b| stiffer * b));
             // From derivatives by cos ψ to derivatives by ψ.
             let by_angle = |b: &[f64; 3]| (-sin * b[1], sin * sin * b[2] - cos * b[1]);
             let ((c1, c2), (q1, q2)) = (by_angle(&constant), by_angle(&quadratic));
@@ -223,6 +256,13 @@ impl Smooth for RuledShell {
     }
 }
 
+impl Smooth for RuledShell {
+    /// Energy (J), gradient and Hessian by a_1 … a_K.
+    fn expand(&self, a: &DVector<f64>) -> Option<Expansion> {
+        self.expand_stiffer(1.0, a)
+    }
+}
+
 /// By how much an energy changes per metre of hem, N: `energy` of a hem (m, radius `hem`) whose radius has grown by so much.
 ///
 /// Central difference: truncation falls with the square of the step, rounding grows with its inverse; 1e-5 leaves both at 1e-10 of the result.
@@ -235,25 +275,37 @@ pub(super) fn per_length(hem: f64, energy: impl Fn(f64) -> Option<f64>) -> Optio
 pub(super) fn kernel(hem: f64, m: f64, half: usize, table: &[(f64, f64)]) -> DMatrix<f64> {
     let period = 2 * half;
     // T(δ) = (1/N) Σ_j e^{ijδ}/(1 + jm) on the grid of shifts; the highest mode is shared between +half and −half.
-    let shifts: Vec<(f64, f64)> = (0..period)
-        .map(|n| {
-            let (mut real, mut imaginary) = (1.0, 0.0);
-            for j in 1..=half {
-                let jm = m * j as f64;
-                let share = if j == half { 0.5 } else { 1.0 } * 2.0 / (1.0 - jm * jm);
-                let (sin, cos) = table[n * j % period];
-                real += share * cos;
-                imaginary -= share * jm * sin;
-            }
-            (hem * real / period as f64, hem * imaginary / period as f64)
+    let shares: Vec<(f64, f64)> = (1..=half)
+        .map(|j| {
+            let jm = m * j as f64;
+            let share = if j == half { 0.5 } else { 1.0 } * 2.0 / (1.0 - jm * jm);
+            (share, share * jm)
         })
         .collect();
+    let scale = hem / period as f64;
+    let mut shifts = vec![(0.0, 0.0); period];
+    for n in 0..=half {
+        let (mut real, mut imaginary, mut at) = (1.0, 0.0, 0);
+        for (even, odd) in &shares {
+            at += n;
+            if period <= at {
+                at -= period;
+            }
+            let (sin, cos) = table[at];
+            real += even * cos;
+            imaginary -= odd * sin;
+        }
+        // Back by as much: the conjugate.
+        shifts[(period - n) % period] = (scale * real, -scale * imaginary);
+        shifts[n] = (scale * real, scale * imaginary);
+    }
     let count = half + 1;
     let mut kernel = DMatrix::zeros(2 * count, 2 * count);
     for l in 0..count {
+        let alone = l == 0 || l == half;
         for n in 0..count {
-            let (minus, plus) = (shifts[(n + period - l) % period], shifts[(n + l) % period]);
-            let alone = l == 0 || l == half;
+            let minus = if l <= n { shifts[n - l] } else { shifts[n + period - l] };
+            let plus = if n + l < period { shifts[n + l] } else { shifts[0] };
             let mirrored = if alone { (0.0, 0.0) } else { plus };
             kernel[(n, l)] = minus.0 + mirrored.0;
             kernel[(count + n, l)] = minus.1 + mirrored.1;
@@ -305,35 +357,33 @@ impl TangentHem {
             let jm = m * j as f64;
             if j == 0 { (hem * even, 0.0) } else { (hem * (even + odd) / (1.0 + jm), hem * (even - odd) / (1.0 - jm)) }
         });
-        TangentHem { folds, hem, coefficients: coefficients.to_vec(), strains: strains.to_vec(), modes: modes.collect() }
+        let mut modes: Vec<(f64, f64)> = modes.collect();
+        // They fall off faster than geometrically: those that no digit of the curve feels are not carried along.
+        let heard = modes.iter().rposition(|(plus, minus)| 1e-18 * hem < plus.abs() + minus.abs());
+        modes.truncate(heard.map_or(0, |last| last + 1));
+        TangentHem { folds, hem, coefficients: coefficients.to_vec(), strains: strains.to_vec(), modes }
     }
 
     /// h(φ) and dh/dφ at φ = mσ, m.
-    fn turning(&self, phi: f64) -> ((f64, f64), (f64, f64)) {
-        let (mut x, mut y) = (0.0, 0.0);
-        let (mut psi, mut strain) = (0.0, 0.0);
-        // e^{ijφ} as powers of e^{iφ}: one sine for all of them.
-        let (sin_phi, cos_phi) = phi.sin_cos();
-        let (mut sin, mut cos) = (0.0, 1.0);
-        for j in 0..self.modes.len().max(self.coefficients.len()).max(self.strains.len()) {
-            let (plus, minus) = self.modes.get(j).copied().unwrap_or_default();
-            x += (plus + minus) * cos;
-            y += (plus - minus) * sin;
-            strain += self.strains.get(j).map_or(0.0, |e| e * cos);
-            (sin, cos) = (sin * cos_phi + cos * sin_phi, cos * cos_phi - sin * sin_phi);
-            psi += self.coefficients.get(j).map_or(0.0, |a| a * sin);
-        }
+    fn turning(&self, phi: f64) -> [[f64; 2]; 2] {
+        turnings(self, &[phi])[0]
+    }
+
+    /// Positions at many material angles, m.
+    pub fn positions(&self, sigmas: &[f64]) -> Vec<[f64; 2]> {
         let m = f64::from(self.folds);
-        let (sin, cos) = psi.sin_cos();
-        let stretched = self.hem * (1.0 + strain);
-        // From h − i m dh/dφ = R_n (1 + ε) e^{iψ}.
-        ((x, y), (-(stretched * sin - y) / m, (stretched * cos - x) / m))
+        let phis: Vec<f64> = sigmas.iter().map(|sigma| m * sigma).collect();
+        let turned = |([[x, y], _], sigma): ([[f64; 2]; 2], &f64)| {
+            let (sin, cos) = sigma.sin_cos();
+            [x * cos - y * sin, x * sin + y * cos]
+        };
+        turnings(self, &phis).into_iter().zip(sigmas).map(turned).collect()
     }
 
     /// Position (m) and its first and second derivative by σ.
     pub fn local(&self, sigma: f64) -> [[f64; 2]; 3] {
         let m = f64::from(self.folds);
-        let ((x, y), _) = self.turning(m * sigma);
+        let [[x, y], _] = self.turning(m * sigma);
         let turned = |(x, y): (f64, f64), angle: f64| {
             let (sin, cos) = angle.sin_cos();
             [x * cos - y * sin, x * sin + y * cos]
@@ -354,9 +404,9 @@ impl TangentHem {
         let m = f64::from(self.folds);
         // Where the points fall alike in every fold, one fold says everything.
         let period = if n.is_multiple_of(self.folds as usize) { n / self.folds as usize } else { n };
-        let fold: Vec<(f64, f64)> = (0..period).map(|i| self.turning(m * TAU * i as f64 / n as f64).0).collect();
+        let fold = turnings(self, &(0..period).map(|i| m * TAU * i as f64 / n as f64).collect::<Vec<f64>>());
         let place = |i: usize| {
-            let ((x, y), (sin, cos)) = (fold[i % period], (TAU * i as f64 / n as f64).sin_cos());
+            let ([[x, y], _], (sin, cos)) = (fold[i % period], (TAU * i as f64 / n as f64).sin_cos());
             Point::new(x * cos - y * sin, x * sin + y * cos)
         };
         (0..n).map(place).collect()
@@ -365,16 +415,16 @@ impl TangentHem {
     /// Least and greatest distance of the hem from the axis, m.
     pub fn radius_range(&self) -> (f64, f64) {
         const CELLS: usize = 64;
-        let at = |phi: f64| {
-            let ((x, y), (dx, dy)) = self.turning(phi);
-            (x.hypot(y), x * dx + y * dy)
-        };
+        let polar = |[[x, y], [dx, dy]]: [[f64; 2]; 2]| (x.hypot(y), x * dx + y * dy);
+        let at = |phi: f64| polar(self.turning(phi));
         // The crest and the valley are extrema by symmetry; others show as sign changes of the slope between them.
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let mut see = |r: f64| (low, high) = (low.min(r), high.max(r));
         see(at(0.0).0);
         see(at(PI).0);
-        let edges: Vec<(f64, f64)> = (0..=CELLS).map(|i| PI * i as f64 / CELLS as f64).map(|phi| (phi, at(phi).1)).collect();
+        let phis: Vec<f64> = (0..=CELLS).map(|i| PI * i as f64 / CELLS as f64).collect();
+        let slopes = turnings(self, &phis).into_iter().map(|place| polar(place).1);
+        let edges: Vec<(f64, f64)> = phis.iter().copied().zip(slopes).collect();
         for pair in edges[1..CELLS].windows(2) {
             let ((mut a, sa), (mut b, sb)) = (pair[0], pair[1]);
             if sa * sb < 0.0 {
@@ -391,6 +441,44 @@ impl TangentHem {
     /// a_1 … a_K.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
+    }
+}
+
+vectorized! {
+    /// h(φ) and dh/dφ at many φ = mσ, m; eight at a time, the last of them as often as it takes.
+    fn turnings<V>(hem: &TangentHem, phis: &[f64]) -> Vec<[[f64; 2]; 2]> {
+        let m = f64::from(hem.folds);
+        let mut out = Vec::with_capacity(phis.len());
+        for chunk in phis.chunks(WIDTH) {
+            let mut lanes = Lanes([chunk[chunk.len() - 1]; WIDTH]);
+            lanes.0[..chunk.len()].copy_from_slice(chunk);
+            let (sin, cos) = sin_cos(V::of(&lanes));
+            let (mut x, mut y, mut psi, mut strain) = (V::zero(), V::zero(), V::zero(), V::zero());
+            // e^{ijφ} as powers of e^{iφ}: one sine for all of them.
+            let mut power = (V::all(1.0), V::zero());
+            for j in 0..hem.modes.len().max(hem.coefficients.len()).max(hem.strains.len()) {
+                if let Some((plus, minus)) = hem.modes.get(j) {
+                    x = power.0.mul_add(V::all(plus + minus), x);
+                    y = power.1.mul_add(V::all(plus - minus), y);
+                }
+                if let Some(e) = hem.strains.get(j) {
+                    strain = power.0.mul_add(V::all(*e), strain);
+                }
+                power = turned(power, (cos, sin));
+                if let Some(a) = hem.coefficients.get(j) {
+                    psi = power.1.mul_add(V::all(*a), psi);
+                }
+            }
+            let (sin, cos) = sin_cos(psi);
+            let stretched = (strain + 1.0) * hem.hem;
+            // From h − i m dh/dφ = R_n (1 + ε) e^{iψ}.
+            let (dx, dy) = ((y - stretched * sin) / V::all(m), (stretched * cos - x) / V::all(m));
+            let (x, y, dx, dy) = (x.lanes(), y.lanes(), dx.lanes(), dy.lanes());
+            for lane in 0..chunk.len() {
+                out.push([[x.0[lane], y.0[lane]], [dx.0[lane], dy.0[lane]]]);
+            }
+        }
+        out
     }
 }
 
@@ -422,6 +510,27 @@ mod tests {
     }
 
     #[test]
+    fn gradient_of_gravity_is_that_of_a_shell_without_rigidity() {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        let limp = RuledShell::with(&skirt, (Some(1.962), None), 5, 4, half_nodes(4), Bending::NODES);
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let exact = limp.expand(&a).unwrap().gradient;
+        // The same sums in another order.
+        assert!((shell(5, 4).gravity_gradient(&a).unwrap() - &exact).amax() < 1e-13 * exact.amax());
+    }
+
+    #[test]
+    fn stiffer_cloth_is_a_shell_of_that_rigidity() {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        let stiff = RuledShell::new(&skirt, 1.962, 3e-5, 5, 4, half_nodes(4), Bending::NODES);
+        let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
+        let (own, stiffer) = (stiff.expand(&a).unwrap(), shell(5, 4).expand_stiffer(3.0, &a).unwrap());
+        assert!((own.value - stiffer.value).abs() < 1e-14 * own.value && (own.hessian - stiffer.hessian).amax() < 1e-15);
+        let (own, stiffer) = (stiff.length_multiplier(&a).unwrap(), shell(5, 4).length_multiplier_stiffer(3.0, &a).unwrap());
+        assert!((own / stiffer - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
     fn length_multiplier_agrees_with_a_longer_hem() {
         let a = DVector::from_vec(vec![1.2, -0.2, 0.1, 0.05]);
         let h = 1e-6;
@@ -448,10 +557,10 @@ mod tests {
         let curve = shell(3, 2).curve(&DVector::from_vec(vec![1.0, 0.2]));
         for i in 0..40 {
             let (phi, h) = (0.17 * f64::from(i), 1e-5);
-            let (_, exact) = curve.turning(phi);
-            let (up, down) = (curve.turning(phi + h).0, curve.turning(phi - h).0);
+            let [_, exact] = curve.turning(phi);
+            let (up, down) = (curve.turning(phi + h)[0], curve.turning(phi - h)[0]);
             // Rounding eps·R/h ~ 1e-11, truncation h²h‴/6 ~ 1e-11.
-            assert!((exact.0 - (up.0 - down.0) / (2.0 * h)).abs() < 1e-9 && (exact.1 - (up.1 - down.1) / (2.0 * h)).abs() < 1e-9);
+            assert!((0..2).all(|d| (exact[d] - (up[d] - down[d]) / (2.0 * h)).abs() < 1e-9));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Smooth minima, free or under one equality: the only door to argmin.
 //!
-//! Both solvers are Newton trust-region methods with exact Hessians. The problems have few unknowns (1 … 60), so each step diagonalizes the
-//! Hessian and solves its subproblem exactly, which walks off saddles and needs no assumption of convexity.
+//! Both solvers are Newton trust-region methods with exact Hessians. The problems have few unknowns (1 … 60), so each step that is not
+//! simply Newton's diagonalizes the Hessian and solves its subproblem exactly, which walks off saddles and needs no assumption of convexity.
 
 use std::ops::AddAssign;
 
@@ -72,7 +72,7 @@ pub struct Minimum {
 impl Minimum {
     /// Lowest eigenvalue of the Hessian: positive at a strict minimum.
     pub fn lowest_curvature(&self) -> f64 {
-        SymmetricEigen::new(self.at.hessian.clone()).eigenvalues.iter().copied().fold(f64::INFINITY, f64::min)
+        self.at.hessian.symmetric_eigenvalues().iter().copied().fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -166,10 +166,28 @@ struct TrustStep {
     interior: bool,
 }
 
-/// The exact minimum of g·s + ½ s·H·s over ‖s‖ ≤ radius, by diagonalizing H.
+/// The exact minimum of g·s + ½ s·H·s over ‖s‖ ≤ radius: the plain Newton step where H is safely positive definite and it is short enough, else by
+/// diagonalizing H.
 ///
 /// Source: Conn, Gould & Toint, Trust-Region Methods (2000), section 7.3, with its hard case.
 fn trust_step(gradient: &DVector<f64>, hessian: &DMatrix<f64>, radius: f64) -> TrustStep {
+    newton_step(gradient, hessian, radius).unwrap_or_else(|| diagonal_step(gradient, hessian, radius))
+}
+
+/// A tenth of the time of a diagonalization. `None` where a pivot is so small that the diagonalization has to judge.
+fn newton_step(gradient: &DVector<f64>, hessian: &DMatrix<f64>, radius: f64) -> Option<TrustStep> {
+    let factor = hessian.clone().cholesky()?;
+    let pivots = factor.l_dirty().diagonal();
+    if pivots.min().powi(2) <= 1e-10 * pivots.max().powi(2) {
+        return None;
+    }
+    let step = -factor.solve(gradient);
+    let predicted = -0.5 * gradient.dot(&step);
+    // NaN is not short enough.
+    (step.norm() <= radius).then(|| TrustStep { step, predicted: predicted.max(0.0), interior: true })
+}
+
+fn diagonal_step(gradient: &DVector<f64>, hessian: &DMatrix<f64>, radius: f64) -> TrustStep {
     let eigen = SymmetricEigen::new(hessian.clone());
     let (e, v) = (&eigen.eigenvalues, &eigen.eigenvectors);
     let g = v.tr_mul(gradient);
@@ -233,7 +251,7 @@ impl ConstrainedMinimum {
     pub fn lowest_curvature(&self) -> Option<f64> {
         let basis = tangent_basis(&self.constraint.gradient)?;
         let lagrangian = &self.objective.hessian - self.multiplier * &self.constraint.hessian;
-        Some(SymmetricEigen::new(basis.tr_mul(&lagrangian) * &basis).eigenvalues.iter().copied().fold(f64::INFINITY, f64::min))
+        Some((basis.tr_mul(&lagrangian) * &basis).symmetric_eigenvalues().iter().copied().fold(f64::INFINITY, f64::min))
     }
 }
 
@@ -422,6 +440,18 @@ mod tests {
                 hessian: DMatrix::from_row_slice(2, 2, &[3.0 * a * a - 1.0, 0.0, 0.0, 1.0]),
             })
         }
+    }
+
+    #[test]
+    fn newton_step_is_that_of_the_diagonalization() {
+        let hessian = DMatrix::from_fn(6, 6, |i, j| ((i * j) as f64).cos() + if i == j { 8.0 } else { 0.0 });
+        let hessian = 0.5 * (&hessian + hessian.transpose());
+        let gradient = DVector::from_fn(6, |i, _| (i as f64 + 0.3).sin());
+        let (fast, exact) = (newton_step(&gradient, &hessian, 1.0).unwrap(), diagonal_step(&gradient, &hessian, 1.0));
+        assert!(exact.interior && (fast.step - &exact.step).norm() < 1e-14 && (fast.predicted - exact.predicted).abs() < 1e-14);
+        // Too long, and not positive definite.
+        assert!(newton_step(&gradient, &hessian, 0.5 * exact.step.norm()).is_none());
+        assert!(newton_step(&gradient, &(hessian - DMatrix::identity(6, 6) * 9.0), 1.0).is_none());
     }
 
     #[test]

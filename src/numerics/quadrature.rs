@@ -1,12 +1,21 @@
 //! Gauss–Legendre quadrature on the unit interval, and running integrals on its nodes.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Rules of fewer nodes than this are computed once.
+const KEPT: usize = 100;
 
 /// Nodes (ascending) and weights of the `n`-point Gauss–Legendre rule on [0, 1]; exact for polynomials up to degree 2n − 1.
-///
-/// Newton's iteration on the Legendre polynomial from Tricomi's estimate of its roots: two or three steps reach rounding.
-/// Source: Davis & Rabinowitz, Methods of Numerical Integration, 2nd ed. (1984), section 2.7.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; KEPT] = [const { OnceLock::new() }; KEPT];
+    RULES.get(n).map_or_else(|| rule(n), |kept| kept.get_or_init(|| rule(n)).clone())
+}
+
+/// Newton's iteration on the Legendre polynomial from Tricomi's estimate of its roots: two or three steps reach rounding.
+///
+/// Source: Davis & Rabinowitz, Methods of Numerical Integration, 2nd ed. (1984), section 2.7.
+fn rule(n: usize) -> Vec<(f64, f64)> {
     let order = n as f64;
     let mut rule = vec![(0.0, 0.0); n];
     for i in 0..n {
@@ -31,9 +40,13 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
 }
 
 /// Row i: weights of `∫₀^{x_i}` on the nodes of [`gauss_legendre`]`(n)`; exact for polynomials below degree n.
-///
-/// The interpolant in Legendre polynomials is integrated term by term: `∫ P_k = (P_{k+1} − P_{k−1})/(2k + 1)`.
 pub fn running_integral(n: usize) -> Vec<Vec<f64>> {
+    static ROWS: [OnceLock<Vec<Vec<f64>>>; KEPT] = [const { OnceLock::new() }; KEPT];
+    ROWS.get(n).map_or_else(|| running(n), |kept| kept.get_or_init(|| running(n)).clone())
+}
+
+/// The interpolant in Legendre polynomials is integrated term by term: `∫ P_k = (P_{k+1} − P_{k−1})/(2k + 1)`.
+fn running(n: usize) -> Vec<Vec<f64>> {
     let rule = gauss_legendre(n);
     // P_0 … P_n at each node, argument 2x − 1.
     let polynomials: Vec<Vec<f64>> = rule

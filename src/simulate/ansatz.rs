@@ -270,24 +270,37 @@ impl Search<'_> {
     }
 }
 
-/// `n` points equally spaced in length, the first at t = 0, m. They lie on the curve to rounding; their spacing is even to a part in 10⁶.
+/// `n` points equally spaced in length, as many in every fold, the first at t = 0, m. They lie on the curve to rounding; their spacing is even to a part
+/// in 10⁶.
 fn even_outline(hem: &Hem, n: usize) -> Vec<Point> {
-    let steps = 16 * n;
-    let speed = |i: usize| hem.local(TAU * i as f64 / steps as f64).speed();
+    let folds = hem.folds.max(1);
+    let own = n / folds as usize;
+    // An even number, so that a mirror image ends half a fold.
+    let steps = 16 * own;
+    let angle = |step: f64| TAU * step / (f64::from(folds) * steps as f64);
+    let speeds: Vec<f64> = (0..=steps / 2).map(|i| hem.local(angle(i as f64)).speed()).collect();
+    let speed = |i: usize| speeds[i.min(steps - i)];
     let mut reached = vec![0.0];
     for i in 0..steps {
         reached.push(reached[i] + 0.5 * (speed(i) + speed(i + 1)));
     }
     let whole = reached[steps];
     let mut cell = 0;
-    (0..n)
-        .map(|i| {
-            let target = whole * i as f64 / n as f64;
-            while cell + 1 < steps && reached[cell + 1] <= target {
-                cell += 1;
-            }
-            let fraction = (target - reached[cell]) / (reached[cell + 1] - reached[cell]);
-            hem.point(&Placement::ORIGIN, TAU * (cell as f64 + fraction) / steps as f64)
-        })
-        .collect()
+    let mut outline = Vec::with_capacity(n);
+    for i in 0..own {
+        let target = whole * i as f64 / own as f64;
+        while cell + 1 < steps && reached[cell + 1] <= target {
+            cell += 1;
+        }
+        let fraction = (target - reached[cell]) / (reached[cell + 1] - reached[cell]);
+        outline.push(hem.point(&Placement::ORIGIN, angle(cell as f64 + fraction)));
+    }
+    for fold in 1..folds {
+        let (sin, cos) = (TAU * f64::from(fold) / f64::from(folds)).sin_cos();
+        for i in 0..own {
+            let Point { x, y, .. } = outline[i];
+            outline.push(Point::new(x * cos - y * sin, x * sin + y * cos));
+        }
+    }
+    outline
 }

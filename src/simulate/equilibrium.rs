@@ -27,8 +27,8 @@ pub struct Equilibria<'a> {
     skirt: &'a Skirt,
     energy: Energy,
     folds: u32,
-    /// B/(ρ_A g) for which the layer below the waist is resolved, m³; graded only.
-    layer: f64,
+    /// Of unit weight and rigidity.
+    shell: Shell,
 }
 
 /// One hem in equilibrium.
@@ -40,8 +40,6 @@ pub struct Equilibrium {
     pub coefficients: DVector<f64>,
     /// Their derivatives by ln B/(ρ_A g).
     pub derivatives: DVector<f64>,
-    /// The multiplier of the hem's length over ρ_A g, m².
-    pub multiplier: f64,
     pub evaluations: usize,
     /// All unknowns and their derivatives: where a neighbour starts from.
     unknowns: DVector<f64>,
@@ -49,16 +47,49 @@ pub struct Equilibrium {
 }
 
 /// Both shells, as what this file needs of them.
+#[derive(Debug, Clone)]
 enum Shell {
-    Ruled(RuledShell),
-    Graded(GradedShell),
+    Ruled(Box<RuledShell>),
+    Graded(Box<GradedShell>),
 }
 
-impl Smooth for Shell {
+/// A shell of unit weight and a given rigidity.
+struct Stiff<'a> {
+    shell: &'a Shell,
+    ratio: f64,
+}
+
+impl Smooth for Stiff<'_> {
     fn expand(&self, x: &DVector<f64>) -> Option<Expansion> {
+        match self.shell {
+            Shell::Ruled(shell) => shell.expand_stiffer(self.ratio, x),
+            Shell::Graded(shell) => shell.expand_at(self.ratio, x),
+        }
+    }
+}
+
+impl Shell {
+    /// `layer` is B/(ρ_A g) for which the layer below the waist is resolved, m³; graded only.
+    fn new(skirt: &Skirt, energy: Energy, folds: u32, layer: f64) -> Shell {
+        match energy {
+            Energy::Ruled { harmonics } => {
+                Shell::Ruled(Box::new(RuledShell::new(skirt, 1.0, 1.0, folds, harmonics, half_nodes(harmonics), Bending::NODES)))
+            }
+            Energy::Graded { harmonics, modes } => {
+                let width = (layer.cbrt() / skirt.slant_length().0).clamp(1e-4, 1.0);
+                let (half, slices) = (16.max(6 * harmonics), 16.max(2 * modes + 4));
+                let basis = HeightBasis::Layer { width };
+                let setup = Setup { weight: 1.0, rigidity: 1.0, shear: 0.0, folds, harmonics, modes, basis, half, slices };
+                Shell::Graded(Box::new(GradedShell::new(skirt, setup)))
+            }
+        }
+    }
+
+    /// ∇G, the derivatives of the energy of limp cloth.
+    fn gravity_gradient(&self, x: &DVector<f64>) -> Option<DVector<f64>> {
         match self {
-            Shell::Ruled(shell) => shell.expand(x),
-            Shell::Graded(shell) => shell.expand(x),
+            Shell::Ruled(shell) => shell.gravity_gradient(x),
+            Shell::Graded(shell) => shell.gradient_at(0.0, x),
         }
     }
 }
@@ -69,7 +100,7 @@ const EVALUATIONS: u64 = 60;
 impl<'a> Equilibria<'a> {
     /// `ratio` is about B/(ρ_A g), m³, for the layer below the waist; it matters little.
     pub fn new(skirt: &'a Skirt, energy: Energy, folds: u32, ratio: f64) -> Self {
-        Equilibria { skirt, energy, folds, layer: ratio }
+        Equilibria { skirt, energy, folds, shell: Shell::new(skirt, energy, folds, ratio) }
     }
 
     /// ln of the B/(ρ_A g) above which the round cone is stable against these folds; `None` if it is so at any.
@@ -79,23 +110,6 @@ impl<'a> Equilibria<'a> {
             Energy::Graded { .. } => graded::threshold_rigidity(self.skirt, 1.0, 0.0, self.folds),
         };
         ratio.map(f64::ln)
-    }
-
-    fn shell(&self, ratio: f64) -> Shell {
-        match self.energy {
-            Energy::Ruled { harmonics } => {
-                Shell::Ruled(RuledShell::new(self.skirt, 1.0, ratio, self.folds, harmonics, half_nodes(harmonics), Bending::NODES))
-            }
-            Energy::Graded { harmonics, modes } => {
-                let width = (self.layer.cbrt() / self.skirt.slant_length().0).clamp(1e-4, 1.0);
-                let (half, slices) = (16.max(6 * harmonics), 16.max(2 * modes + 4));
-                let basis = HeightBasis::Layer { width };
-                Shell::Graded(GradedShell::new(
-                    self.skirt,
-                    Setup { weight: 1.0, rigidity: ratio, shear: 0.0, folds: self.folds, harmonics, modes, basis, half, slices },
-                ))
-            }
-        }
     }
 
     fn unknowns(&self) -> usize {
@@ -108,7 +122,7 @@ impl<'a> Equilibria<'a> {
     /// The hem at this ln B/(ρ_A g), from a neighbour if there is one; `None` where the folds vanish or slide to another count, or where no generatrix
     /// reaches the hem.
     pub fn at(&self, log_ratio: f64, neighbour: Option<&Equilibrium>) -> Option<Equilibrium> {
-        let shell = self.shell(log_ratio.exp());
+        let stiff = Stiff { shell: &self.shell, ratio: log_ratio.exp() };
         let n = self.unknowns();
         let start = match neighbour {
             Some(near) => &near.unknowns + &near.slope * (log_ratio - near.log_ratio),
@@ -118,17 +132,17 @@ impl<'a> Equilibria<'a> {
                 first
             }
         };
-        let minimum = self.descend(&shell, start, neighbour)?;
+        let minimum = descend(&stiff, start, neighbour)?;
         if minimum.ending == Ending::EvaluationLimit {
             return None;
         }
         let mut evaluations = minimum.evaluations;
         let solved = minimum.at.hessian.clone().cholesky()?;
         // x∇U = −∇G there.
-        let gravity = self.shell(0.0).expand(&minimum.x)?;
+        let gravity = self.shell.gravity_gradient(&minimum.x)?;
         evaluations += 1;
-        let slope = solved.solve(&gravity.gradient);
-        let (hem, by) = match &shell {
+        let slope = solved.solve(&gravity);
+        let (hem, by) = match &self.shell {
             Shell::Ruled(_) => (minimum.x.clone(), slope.clone()),
             Shell::Graded(shell) => (shell.hem_coefficients(&minimum.x), shell.hem_coefficients(&slope)),
         };
@@ -137,35 +151,32 @@ impl<'a> Equilibria<'a> {
         if first < 1e-3 || first < 1e-3 * hem.amax() {
             return None;
         }
-        let multiplier = match &shell {
-            Shell::Ruled(shell) => shell.length_multiplier(&minimum.x)?,
-            Shell::Graded(shell) => shell.length_multiplier(&minimum.x)?,
-        };
         let flip = |v: DVector<f64>| if hem[0] < 0.0 { flipped(&v) } else { v };
-        Some(Equilibrium {
-            log_ratio,
-            coefficients: flip(hem.clone()),
-            derivatives: flip(by),
-            multiplier,
-            evaluations,
-            unknowns: minimum.x,
-            slope,
-        })
+        Some(Equilibrium { log_ratio, coefficients: flip(hem.clone()), derivatives: flip(by), evaluations, unknowns: minimum.x, slope })
     }
 
-    /// Downhill from `start`, drawn in until it is within reach.
-    fn descend(&self, shell: &Shell, mut start: DVector<f64>, neighbour: Option<&Equilibrium>) -> Option<Minimum> {
-        // A neighbour's hem is near: a long first step would leave its branch.
-        let radius = if neighbour.is_some() { 0.2 } else { 0.5 };
-        let options = Options { evaluations: EVALUATIONS, radius, ..Options::default() };
-        for _ in 0..20 {
-            if let Some(minimum) = minimize(shell, start.clone(), &options) {
-                return Some(minimum);
-            }
-            start *= 0.7;
+    /// The multiplier of the length of a hem of this family over ρ_A g, m².
+    pub fn multiplier(&self, hem: &Equilibrium) -> Option<f64> {
+        let ratio = hem.log_ratio.exp();
+        match &self.shell {
+            Shell::Ruled(shell) => shell.length_multiplier_stiffer(ratio, &hem.unknowns),
+            Shell::Graded(shell) => shell.length_multiplier_at(ratio, &hem.unknowns),
         }
-        None
     }
+}
+
+/// Downhill from `start`, drawn in until it is within reach.
+fn descend(stiff: &Stiff<'_>, mut start: DVector<f64>, neighbour: Option<&Equilibrium>) -> Option<Minimum> {
+    // A neighbour's hem is near: a long first step would leave its branch.
+    let radius = if neighbour.is_some() { 0.2 } else { 0.5 };
+    let options = Options { evaluations: EVALUATIONS, radius, ..Options::default() };
+    for _ in 0..20 {
+        if let Some(minimum) = minimize(stiff, start.clone(), &options) {
+            return Some(minimum);
+        }
+        start *= 0.7;
+    }
+    None
 }
 
 /// The same hem shifted by half a fold: odd coefficients change their signs.

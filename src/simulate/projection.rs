@@ -5,8 +5,11 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 
 use crate::experiment::Point;
+use crate::model::functional::Places;
 use crate::model::hem::{Hem, Placement};
+use crate::numerics::lanes::{Lanes, WIDTH, multiple_angle, small_angle, turned};
 use crate::numerics::least_squares::{Options, Problem, solve};
+use crate::vectorized;
 
 /// p, q, s nearest to a centred hem of `folds` equal folds with a crest on the x axis, and the root mean square orthogonal distance that is left, m.
 ///
@@ -28,13 +31,25 @@ pub(super) fn onto_paper_curve(outline: &[Point], folds: u32) -> Option<(Hem, f6
 struct Nearest<'a> {
     points: &'a [Point],
     folds: u32,
-    /// Parameter and unit normal of each foot point.
-    feet: Vec<(f64, (f64, f64))>,
+    /// Of eight points each; the last point as often as it takes.
+    feet: Vec<Feet>,
+}
+
+/// Eight points and their feet on the curve.
+struct Feet {
+    point: [Lanes; 2],
+    /// cos t and sin t.
+    place: [Lanes; 2],
+    /// cos mt and sin mt.
+    phase: [Lanes; 2],
+    normal: [Lanes; 2],
+    /// Signed distance of the point, m.
+    distance: Lanes,
 }
 
 impl Nearest<'_> {
     /// For each point the nearest node of a grid on the curve.
-    fn nodes(&self, hem: &Hem) -> Vec<f64> {
+    fn nodes(&self, hem: &Hem) -> Vec<Feet> {
         const GRID: usize = 128;
         let fold = TAU / f64::from(self.folds);
         // Deep folds lean over their neighbours: look half a fold beyond both ends.
@@ -43,27 +58,60 @@ impl Nearest<'_> {
         let square = |a: &Point, b: &Point| (a.x - b.x).powi(2) + (a.y - b.y).powi(2);
         let nearest =
             |point: &Point| grid.iter().min_by(|a, b| square(&a.1, point).total_cmp(&square(&b.1, point))).map_or(0.0, |node| node.0);
-        self.points.iter().map(nearest).collect()
-    }
-
-    /// Parameter of the foot of `point` on `hem` near `t`: Newton on the right angle.
-    fn foot(&self, hem: &Hem, point: Point, mut t: f64) -> f64 {
-        let reach = TAU / f64::from(self.folds) / 64.0;
-        for _ in 0..20 {
-            let (local, (sin, cos)) = (hem.local(t), t.sin_cos());
-            // The point in the frame that turns with the parameter.
-            let (dx, dy) = (local.position.0 - (point.x * cos + point.y * sin), local.position.1 - (point.y * cos - point.x * sin));
-            let slope = dx * local.velocity.0 + dy * local.velocity.1;
-            let bend = dx * local.acceleration.0 + dy * local.acceleration.1 + local.speed().powi(2);
-            let step = -slope / if 0.0 < bend { bend } else { local.speed().powi(2) };
-            t += step.clamp(-reach, reach);
-            if step.abs() < 1e-14 {
-                break;
+        let block = |points: &[Point]| {
+            let point = |lane: usize| points[lane.min(points.len() - 1)];
+            let starts: [f64; WIDTH] = std::array::from_fn(|lane| nearest(&point(lane)));
+            Feet {
+                point: [Lanes(std::array::from_fn(|lane| point(lane).x)), Lanes(std::array::from_fn(|lane| point(lane).y))],
+                place: [Lanes(starts.map(f64::cos)), Lanes(starts.map(f64::sin))],
+                phase: [Lanes::ZERO; 2],
+                normal: [Lanes::ZERO; 2],
+                distance: Lanes::ZERO,
             }
-        }
-        t
+        };
+        self.points.chunks(WIDTH).map(block).collect()
     }
 }
+
+vectorized! {
+    /// The feet on `hem` near to where they were: Newton on the right angle.
+    fn walk<V>(hem: &Hem, feet: &mut [Feet]) -> () {
+        let m = f64::from(hem.folds);
+        let reach = TAU / m / 64.0;
+        for feet in feet {
+            let [x, y] = [V::of(&feet.point[0]), V::of(&feet.point[1])];
+            let mut place = (V::of(&feet.place[0]), V::of(&feet.place[1]));
+            let mut still = false;
+            for left in (0..=STEPS).rev() {
+                let phase = multiple_angle(hem.folds, place);
+                let Places { position, velocity, acceleration } = Places::<V, 0>::at(hem, phase);
+                let (vx, vy) = (velocity.0.value, velocity.1.value);
+                // The point in the frame that turns with the parameter.
+                let dx = position.0.value - x.mul_add(place.0, y * place.1);
+                let dy = position.1.value - y.mul_sub(place.0, x * place.1);
+                let square = vx.mul_add(vx, vy * vy);
+                if still || left == 0 {
+                    let speed = square.sqrt();
+                    let normal = (vy / speed, -(vx / speed));
+                    feet.place = [place.0.lanes(), place.1.lanes()];
+                    feet.phase = [phase.0.lanes(), phase.1.lanes()];
+                    feet.normal = [normal.0.lanes(), normal.1.lanes()];
+                    feet.distance = (-dx.mul_add(normal.0, dy * normal.1)).lanes();
+                    break;
+                }
+                let bend = dx.mul_add(acceleration.0.value, dy.mul_add(acceleration.1.value, square));
+                let slope = dx.mul_add(vx, dy * vy);
+                let step = (-slope / bend.where_above(V::zero(), square)).within(reach);
+                place = turned(place, small_angle(step));
+                // What is left is about its square.
+                still = step.abs().greatest() < 1e-9;
+            }
+        }
+    }
+}
+
+/// Newton takes three or four steps from the grid, one or two from where a foot was.
+const STEPS: usize = 20;
 
 impl Problem for Nearest<'_> {
     fn residual_count(&self) -> usize {
@@ -73,27 +121,25 @@ impl Problem for Nearest<'_> {
     fn residuals(&mut self, x: &[f64], residuals: &mut [f64]) -> bool {
         let hem = Hem { p: x[0], q: x[1], s: x[2], folds: self.folds };
         // From one step of the fit to the next a foot moves little: only the first needs the grid.
-        let starts = if self.feet.is_empty() { self.nodes(&hem) } else { self.feet.iter().map(|foot| foot.0).collect() };
-        let mut feet = Vec::with_capacity(self.points.len());
-        for ((point, residual), start) in self.points.iter().zip(residuals.iter_mut()).zip(starts) {
-            let t = self.foot(&hem, *point, start);
-            let (local, (sin, cos)) = (hem.local(t), t.sin_cos());
-            let normal = (local.velocity.1 / local.speed(), -local.velocity.0 / local.speed());
-            let (dx, dy) = (point.x * cos + point.y * sin - local.position.0, point.y * cos - point.x * sin - local.position.1);
-            *residual = dx * normal.0 + dy * normal.1;
-            feet.push((t, normal));
+        if self.feet.is_empty() {
+            self.feet = self.nodes(&hem);
         }
-        self.feet = feet;
+        walk(&hem, &mut self.feet);
+        for (i, residual) in residuals.iter_mut().enumerate() {
+            *residual = self.feet[i / WIDTH].distance.0[i % WIDTH];
+        }
         residuals.iter().all(|r| r.is_finite())
     }
 
     fn jacobian(&mut self, _: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
         // −n·∂c/∂(p, q, s): the foot point is stationary, so nothing else is needed.
-        for (i, (t, normal)) in self.feet.iter().enumerate() {
-            let phase = f64::from(self.folds) * t;
-            jacobian[(i, 0)] = -normal.0;
-            jacobian[(i, 1)] = -normal.0 * phase.cos();
-            jacobian[(i, 2)] = -normal.1 * (2.0 * phase).sin();
+        for i in 0..self.points.len() {
+            let (feet, lane) = (&self.feet[i / WIDTH], i % WIDTH);
+            let [cos, sin] = [feet.phase[0].0[lane], feet.phase[1].0[lane]];
+            let normal = [feet.normal[0].0[lane], feet.normal[1].0[lane]];
+            jacobian[(i, 0)] = -normal[0];
+            jacobian[(i, 1)] = -normal[0] * cos;
+            jacobian[(i, 2)] = -normal[1] * 2.0 * sin * cos;
         }
         true
     }

@@ -162,8 +162,9 @@ pub fn identify(skirt: &Skirt, weight: f64, hem: &TangentFit, through: Through) 
         ));
     }
     // λ moves along the equilibria; a hundredth of a factor of e is a small step of a smooth curve.
-    let near = family.at(found.log_ratio + 0.01, Some(&found));
-    let lambda_slope = near.map(|near| weight * (near.multiplier - found.multiplier) / 0.01);
+    let Some(multiplier) = family.multiplier(&found) else { return refuse("the length of the hem has no multiplier".into()) };
+    let near = family.at(found.log_ratio + 0.01, Some(&found)).and_then(|near| family.multiplier(&near));
+    let lambda_slope = near.map(|near| weight * (near - multiplier) / 0.01);
     Ok(Identification {
         through,
         folds: hem.folds,
@@ -171,7 +172,7 @@ pub fn identify(skirt: &Skirt, weight: f64, hem: &TangentFit, through: Through) 
         rigidity: Estimate { value: rigidity, standard_error: Some(rigidity * relative_error) },
         interval: [-1.959_963_985, 1.959_963_985].map(|z| rigidity * (z * relative_error).exp()),
         relative_error,
-        lambda: Estimate { value: weight * found.multiplier, standard_error: lambda_slope.map(|slope| slope.abs() * relative_error) },
+        lambda: Estimate { value: weight * multiplier, standard_error: lambda_slope.map(|slope| slope.abs() * relative_error) },
         chi_square,
         degrees_of_freedom,
         inflation,
@@ -298,12 +299,8 @@ fn flank_gap(folds: u32, radius: f64, a: &[f64]) -> Option<f64> {
     // Across the axis of a crest (σ = 0) and of a valley (σ = π/m), from that axis outwards.
     let across = |axis: f64, way: f64| {
         let (sin, cos) = axis.sin_cos();
-        (0..=NODES)
-            .map(|i| {
-                let [[x, y], ..] = curve.local(axis + way * PI / m * i as f64 / NODES as f64);
-                way * (y * cos - x * sin)
-            })
-            .collect::<Vec<f64>>()
+        let sigmas: Vec<f64> = (0..=NODES).map(|i| axis + way * PI / m * i as f64 / NODES as f64).collect();
+        curve.positions(&sigmas).into_iter().map(|[x, y]| way * (y * cos - x * sin)).collect::<Vec<f64>>()
     };
     let waists = [across(0.0, 1.0), across(PI / m, 1.0)];
     // A waist of the fold: a minimum between its end and the next axis.

@@ -2,7 +2,10 @@
 
 use crate::experiment::Skirt;
 use crate::numerics::jet::Jet;
+use crate::numerics::lanes::jets::Jets;
+use crate::numerics::lanes::{Lanes, Vector, WIDTH};
 use crate::numerics::quadrature::gauss_legendre;
+use crate::vectorized;
 
 /// Bending of a ruled shell: `U = ∫₀¹∮ (B/2) κ² (R_t + uL cos β) L dσ du`, κ the plane curvature of the ring at fraction u.
 ///
@@ -53,26 +56,78 @@ impl Bending {
     }
 
     /// b_0 and b_2 (J per radian of σ) of a hem of radius `hem`, each with its first and second derivative by cos ψ.
+    pub fn by_cos(&self, cos: f64, hem: f64) -> ([f64; 3], [f64; 3]) {
+        by_cosines(self, &[cos], hem)[0]
+    }
+
+    /// The same of many angles.
+    pub fn by_cosines(&self, cosines: &[f64], hem: f64) -> Vec<([f64; 3], [f64; 3])> {
+        by_cosines(self, cosines, hem)
+    }
+
+    /// b_0 and b_2 at eight places, with their derivatives by cos ψ and by r̂.
     ///
     /// The same integrals as [`Bending::density`], differentiated by hand: this is the innermost loop of a prediction.
-    pub fn by_cos(&self, cos: f64, hem: f64) -> ([f64; 3], [f64; 3]) {
-        let (mut constant, mut quadratic) = ([0.0; 3], [0.0; 3]);
+    #[inline(always)]
+    pub fn densities<V: Vector>(&self, cos: V, hem: V) -> [Jets<V, 2>; 2] {
+        let (mut constant, mut quadratic) = (Jets::constant(V::zero()), Jets::constant(V::zero()));
         for &(p, u, weight) in &self.slices {
-            let q = u * hem;
-            let lever = p * cos + q;
-            let inverse = 1.0 / (q * (lever + p * cos) + p * p);
-            // d(v²)/d(cos ψ) relative to v², and the same of the lever, kept free of division by a lever that may vanish.
-            let (scaled, bend) = (weight * inverse, 2.0 * p * q * inverse);
-            constant[0] += scaled;
-            constant[1] -= scaled * bend;
-            constant[2] += 2.0 * scaled * bend * bend;
-            let lead = scaled * (q * inverse) * (q * inverse);
-            let arm = lever * bend;
-            quadratic[0] += lead * lever * lever;
-            quadratic[1] += lead * lever * (2.0 * p - 3.0 * arm);
-            quadratic[2] += lead * (2.0 * p * p - 12.0 * p * arm + 12.0 * arm * arm);
+            let (q, toward) = (hem * u, cos * p);
+            let lever = toward + q;
+            let inverse = V::all(1.0) / q.mul_add(lever + toward, V::all(p * p));
+            // Derivatives of v² relative to v²: g by cos ψ and by r̂, then the second ones (by cos ψ twice there is none).
+            let g = [q * inverse * (2.0 * p), lever * inverse * (2.0 * u)];
+            let mixed = inverse * (2.0 * p * u);
+            let bent = inverse * (2.0 * u * u);
+            let scaled = inverse * weight;
+            // −1 times the logarithmic derivatives of 1/v².
+            constant.value = constant.value + scaled;
+            constant.gradient[0] = scaled.neg_mul_add(g[0], constant.gradient[0]);
+            constant.gradient[1] = scaled.neg_mul_add(g[1], constant.gradient[1]);
+            let twice = [g[0] * 2.0, g[1] * 2.0];
+            constant.hessian[0][0] = scaled.mul_add(twice[0] * g[0], constant.hessian[0][0]);
+            constant.hessian[0][1] = scaled.mul_add(twice[0].mul_sub(g[1], mixed), constant.hessian[0][1]);
+            constant.hessian[1][1] = scaled.mul_add(twice[1].mul_sub(g[1], bent), constant.hessian[1][1]);
+            // The arm q·lever and its derivatives, over v² once for each factor.
+            let lead = scaled * (inverse * inverse);
+            let arm = q * lever;
+            let by = [q * p, (lever + q) * u];
+            let slope = [by[0] * 2.0 - arm * g[0] * 3.0, by[1] * 2.0 - arm * g[1] * 3.0];
+            let led = lead * arm;
+            quadratic.value = led.mul_add(arm, quadratic.value);
+            quadratic.gradient[0] = led.mul_add(slope[0], quadratic.gradient[0]);
+            quadratic.gradient[1] = led.mul_add(slope[1], quadratic.gradient[1]);
+            let curved = [
+                (by[0] * by[0]) * 2.0 + arm * (arm * g[0] - by[0]) * g[0] * 12.0,
+                (by[0] * by[1]) * 2.0
+                    + arm * (arm * g[0] * g[1] * 12.0 - (by[0] * g[1] + by[1] * g[0]) * 6.0)
+                    + arm * (V::all(2.0 * u * p) - arm * mixed * 3.0),
+                (by[1] * by[1]) * 2.0 + arm * (arm * g[1] - by[1]) * g[1] * 12.0 + arm * (V::all(4.0 * u * u) - arm * bent * 3.0),
+            ];
+            quadratic.hessian[0][0] = lead.mul_add(curved[0], quadratic.hessian[0][0]);
+            quadratic.hessian[0][1] = lead.mul_add(curved[1], quadratic.hessian[0][1]);
+            quadratic.hessian[1][1] = lead.mul_add(curved[2], quadratic.hessian[1][1]);
         }
-        (constant, quadratic)
+        [constant, quadratic]
+    }
+}
+
+vectorized! {
+    /// Eight angles at a time, the last of them as often as it takes.
+    fn by_cosines<V>(bending: &Bending, cosines: &[f64], hem: f64) -> Vec<([f64; 3], [f64; 3])> {
+        let mut out = Vec::with_capacity(cosines.len());
+        for chunk in cosines.chunks(WIDTH) {
+            let mut lanes = Lanes([chunk[chunk.len() - 1]; WIDTH]);
+            lanes.0[..chunk.len()].copy_from_slice(chunk);
+            let [constant, quadratic] = bending.densities(V::of(&lanes), V::all(hem));
+            let constant = [constant.value.lanes(), constant.gradient[0].lanes(), constant.hessian[0][0].lanes()];
+            let quadratic = [quadratic.value.lanes(), quadratic.gradient[0].lanes(), quadratic.hessian[0][0].lanes()];
+            for lane in 0..chunk.len() {
+                let one = |of: &[Lanes; 3]| [of[0].0[lane], of[1].0[lane], of[2].0[lane]];
+                out.push((one(&constant), one(&quadratic)));
+            }
+        }
+        out
     }
 }
 
@@ -88,11 +143,38 @@ mod tests {
         for i in -9..=10 {
             let cos = 0.1 * f64::from(i);
             let (constant, quadratic) = bending.density(Jet::<1>::variable(cos, 0), Jet::constant(0.2362));
-            let hand = bending.by_cos(cos, 0.2362);
-            for (jet, hand) in [(constant, hand.0), (quadratic, hand.1)] {
-                // The same sums in another order.
-                for (a, b) in [(jet.value, hand[0]), (jet.gradient[0], hand[1]), (jet.hessian[0][0], hand[2])] {
-                    assert!((a - b).abs() <= 1e-12 * a.abs().max(1e-6), "cos {cos}: {a} {b}");
+            let many = bending.by_cosines(&[0.3, cos, 0.1, 0.2, 0.4, 0.5, 0.6, 0.7, cos], 0.2362);
+            for hand in [many[1], many[8], bending.by_cos(cos, 0.2362)] {
+                for (jet, hand) in [(constant, hand.0), (quadratic, hand.1)] {
+                    // The same sums in another order.
+                    for (a, b) in [(jet.value, hand[0]), (jet.gradient[0], hand[1]), (jet.hessian[0][0], hand[2])] {
+                        assert!((a - b).abs() <= 1e-12 * a.abs().max(1e-6), "cos {cos}: {a} {b}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_by_angle_and_radius_of_eight_places_agree_with_jets() {
+        let skirt = Skirt::new(Metre(0.121), Metre(0.2362), Metre(0.53)).unwrap();
+        let bending = Bending::new(&skirt, 1e-5, Bending::NODES);
+        let cosines = Lanes(std::array::from_fn(|lane| -0.6 + 0.2 * lane as f64));
+        let places = bending.densities(cosines, Lanes([0.23; WIDTH]));
+        for (lane, cos) in cosines.0.iter().enumerate() {
+            let (constant, quadratic) = bending.density(Jet::<2>::variable(*cos, 0), Jet::variable(0.23, 1));
+            for (jet, place) in [(constant, places[0]), (quadratic, places[1])] {
+                let pairs = [
+                    (jet.value, place.value),
+                    (jet.gradient[0], place.gradient[0]),
+                    (jet.gradient[1], place.gradient[1]),
+                    (jet.hessian[0][0], place.hessian[0][0]),
+                    (jet.hessian[0][1], place.hessian[0][1]),
+                    (jet.hessian[1][1], place.hessian[1][1]),
+                ];
+                for (a, b) in pairs {
+                    // The same sums in another order.
+                    assert!((a - b.0[lane]).abs() <= 1e-12 * a.abs().max(1e-6), "cos {cos}: {a} {}", b.0[lane]);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! The weight of the cloth: what lifting it above its straight-down position costs.
 
 use crate::experiment::Skirt;
+use crate::numerics::lanes::Vector;
 
 /// Gravity of a ruled shell: `U = ρ_A g L (R_t/2 + (R_n − R_t)/3) ∮ (L − √(L² − |d|²)) dσ`.
 ///
@@ -38,5 +39,16 @@ impl Gravity {
         // |d|²/(L + √…) is the same number without the cancellation at small lean.
         let value = self.factor * lean_squared / (self.slant + height);
         Some(Rise { value, first: 0.5 * self.factor / height, second: 0.25 * self.factor / (height * height_squared) })
+    }
+
+    /// The same of eight generatrices: density, first and second derivative; and 1 where the generatrix reaches so far, else 0.
+    #[inline(always)]
+    pub fn densities<V: Vector>(&self, lean_squared: V) -> ([V; 3], V) {
+        let height_squared = V::all(self.slant * self.slant) - lean_squared;
+        let reaches = V::choose(V::zero(), height_squared, V::all(1.0), V::zero());
+        let height = height_squared.sqrt();
+        let value = lean_squared * self.factor / (height + self.slant);
+        let first = V::all(0.5 * self.factor) / height;
+        ([value, first, first * 0.5 / height_squared], reaches)
     }
 }

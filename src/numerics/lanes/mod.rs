@@ -4,10 +4,15 @@
 //! taken in one fixed order. [`Lanes`] is how eight numbers lie in memory; a kernel is written once over [`Vector`] and compiled for each kind of
 //! register ([`vectorized!`](crate::vectorized)).
 
+pub mod angles;
+pub mod jets;
+pub mod product;
 #[cfg(target_arch = "x86_64")]
 pub mod registers;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+pub use angles::{multiple_angle, sin_cos, small_angle, turned};
 
 /// Numbers in one [`Lanes`]: one 512-bit register, or two of 256 bit.
 pub const WIDTH: usize = 8;
@@ -16,6 +21,12 @@ pub const WIDTH: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
+
+/// The numbers of several in a row.
+pub fn numbers(lanes: &[Lanes]) -> &[f64] {
+    // SAFETY: `Lanes` is eight numbers and nothing else: its size is its alignment.
+    unsafe { std::slice::from_raw_parts(lanes.as_ptr().cast(), lanes.len() * WIDTH) }
+}
 
 /// Eight numbers under arithmetic, in whatever registers hold them.
 pub trait Vector:
@@ -211,38 +222,6 @@ impl Neg for Lanes {
     }
 }
 
-/// `(cos kt, sin kt)` from `(cos t, sin t)` by squaring and multiplying, k ≥ 1: no sine of its own. The relative error is about k ε.
-#[inline(always)]
-pub fn multiple_angle<V: Vector>(k: u32, (cos, sin): (V, V)) -> (V, V) {
-    let mut square = (cos, sin);
-    let mut left = k;
-    while left & 1 == 0 {
-        square = doubled(square);
-        left >>= 1;
-    }
-    let mut power = square;
-    left >>= 1;
-    while left != 0 {
-        square = doubled(square);
-        if left & 1 == 1 {
-            power = turned(power, square);
-        }
-        left >>= 1;
-    }
-    power
-}
-
-/// (cos, sin) of the sum of two angles.
-#[inline(always)]
-pub fn turned<V: Vector>((a, b): (V, V), (c, d): (V, V)) -> (V, V) {
-    (a.mul_sub(c, b * d), a.mul_add(d, b * c))
-}
-
-#[inline(always)]
-fn doubled<V: Vector>((cos, sin): (V, V)) -> (V, V) {
-    (cos.mul_sub(cos, sin * sin), (cos + cos) * sin)
-}
-
 /// Runs `$body` in the widest registers that this machine has.
 ///
 /// `vectorized! { fn name<V>(argument: Type, …) -> Type { body } }`; V is the [`Vector`](crate::numerics::lanes::Vector) of the registers. The body is
@@ -284,19 +263,6 @@ macro_rules! vectorized {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn multiple_angles_agree_with_sines_of_their_own() {
-        for k in 1..=180 {
-            let angles: [f64; WIDTH] = std::array::from_fn(|i| 0.7 * i as f64 - 2.0);
-            let (cos, sin) = multiple_angle(k, (Lanes(angles.map(f64::cos)), Lanes(angles.map(f64::sin))));
-            for (lane, angle) in angles.iter().enumerate() {
-                let (s, c) = (f64::from(k) * angle).sin_cos();
-                // Rounding of cos and sin, multiplied by k.
-                assert!((cos.0[lane] - c).abs() + (sin.0[lane] - s).abs() < 1e-15 * f64::from(k) + 1e-15, "{k} {angle}");
-            }
-        }
-    }
 
     /// Every operation of [`Vector`], some of them often enough for a rounding to show.
     #[inline(always)]
