@@ -1,0 +1,87 @@
+//! Feet of many points on one curve, eight at a time.
+
+use super::{C, Cell, TangentCurve};
+use crate::numerics::lanes::{Lanes, Vector, WIDTH};
+use crate::vectorized;
+
+/// Newton steps at most.
+const MOST_STEPS: usize = 30;
+/// Newton converges quadratically: what is left after such a step is rounding.
+const LAST_STEP: f64 = 1e-9;
+
+impl TangentCurve {
+    /// Follows the foot of each of `points` (frame of the curve, unit radius) downhill from its σ; then its signed distance, positive outside.
+    ///
+    /// Newton, with the Gauss–Newton curvature where the true one is small.
+    pub fn follow(&self, points: &[C], sigmas: &mut [f64], distances: &mut [f64]) {
+        follow_all(self, points, sigmas, distances);
+    }
+}
+
+/// Eight places on the curve; real and imaginary parts.
+struct Places<V> {
+    position: [V; 2],
+    first: [V; 2],
+    second: [V; 2],
+}
+
+/// As [`TangentCurve::at`], to the same bits.
+#[inline(always)]
+fn places<V: Vector>(curve: &TangentCurve, sigmas: &Lanes) -> Places<V> {
+    let mut coefficients = [[Lanes::ZERO; 2]; 6];
+    let (mut shares, mut turn) = (Lanes::ZERO, [Lanes::ZERO; 2]);
+    for (lane, sigma) in sigmas.0.iter().enumerate() {
+        let Cell { node, share, period } = curve.cell(*sigma);
+        shares.0[lane] = share;
+        for (eight, c) in coefficients.iter_mut().zip(&curve.cells[node]) {
+            (eight[0].0[lane], eight[1].0[lane]) = (c.re, c.im);
+        }
+        let turned = curve.harmonics.turns[period];
+        (turn[0].0[lane], turn[1].0[lane]) = (turned.re, turned.im);
+    }
+    let (x, h) = (V::of(&shares), curve.harmonics.step);
+    let [cos, sin] = [V::of(&turn[0]), V::of(&turn[1])];
+    let mut unturned = [[V::zero(); 2]; 3];
+    for part in 0..2 {
+        let [p, u, a, c3, c4, c5] = coefficients.each_ref().map(|c| V::of(&c[part]));
+        unturned[0][part] = p + (u + (a + (c3 + (c4 + c5 * x) * x) * x) * x) * x;
+        unturned[1][part] = (u + (a * 2.0 + (c3 * 3.0 + (c4 * 4.0 + c5 * (x * 5.0)) * x) * x) * x) / V::all(h);
+        unturned[2][part] = (a * 2.0 + (c3 * 6.0 + (c4 * 12.0 + c5 * (x * 20.0)) * x) * x) / V::all(h * h);
+    }
+    let [position, first, second] = unturned.map(|[re, im]| [cos * re - sin * im, cos * im + sin * re]);
+    Places { position, first, second }
+}
+
+vectorized! {
+    fn follow_all<V>(curve: &TangentCurve, points: &[C], sigmas: &mut [f64], distances: &mut [f64]) -> () {
+        let top = curve.symmetry() as usize * curve.sines().len().clamp(1, 16);
+        let longest = std::f64::consts::TAU / (6.0 * top as f64);
+        for ((points, sigmas), distances) in points.chunks(WIDTH).zip(sigmas.chunks_mut(WIDTH)).zip(distances.chunks_mut(WIDTH)) {
+            // Lanes without a point follow the first.
+            let at = |lane: usize| points.get(lane).unwrap_or(&points[0]);
+            let point: [V; 2] =
+                [V::of(&Lanes(std::array::from_fn(|lane| at(lane).re))), V::of(&Lanes(std::array::from_fn(|lane| at(lane).im)))];
+            let mut sigma = V::of(&Lanes(std::array::from_fn(|lane| *sigmas.get(lane).unwrap_or(&sigmas[0]))));
+            // 1 while a lane is on its way, 0 from its last step on.
+            let mut moving = V::all(1.0);
+            for _ in 0..MOST_STEPS {
+                let places: Places<V> = places(curve, &sigma.lanes());
+                let [dx, dy] = [point[0] - places.position[0], point[1] - places.position[1]];
+                let slope = dx * places.first[0] + dy * places.first[1];
+                let newton = V::all(1.0) - (dx * places.second[0] + dy * places.second[1]);
+                let step = (slope / newton.max(V::all(0.2))).within(longest) * moving;
+                sigma = sigma + step;
+                moving = V::choose(step.abs(), V::all(LAST_STEP), V::zero(), moving);
+                if moving.lanes().0.iter().all(|moving| *moving == 0.0) {
+                    break;
+                }
+            }
+            let places: Places<V> = places(curve, &sigma.lanes());
+            let ([px, py], [tx, ty]) = (places.position, places.first);
+            let outside = ((point[0] - px) * ty - (point[1] - py) * tx).lanes();
+            let (tx, ty) = (tx.lanes(), ty.lanes());
+            distances.iter_mut().enumerate().for_each(|(lane, distance)| *distance = outside.0[lane] / tx.0[lane].hypot(ty.0[lane]));
+            sigmas.copy_from_slice(&sigma.lanes().0[..sigmas.len()]);
+        }
+    }
+}
