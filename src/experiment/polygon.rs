@@ -61,6 +61,11 @@ impl<'a> Polygon<'a> {
 
     /// How often the first `sides` sides cross a later side.
     pub fn crossings_of(&self, sides: usize) -> usize {
+        self.crossings_within(sides, self.corners.len(), usize::MAX)
+    }
+
+    /// The same of sides that are no further than `reach` sides apart, one way round or the other; not counted on from `most`.
+    pub fn crossings_within(&self, sides: usize, reach: usize, most: usize) -> usize {
         let n = self.corners.len();
         let side = |a: Point, b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         let mut count = 0;
@@ -68,6 +73,10 @@ impl<'a> Polygon<'a> {
             let (a, b) = (self.corners[i], self.corners[(i + 1) % n]);
             let mut j = i + 2;
             while j < n {
+                if i + reach < j && j + reach < n + i {
+                    j = n + i - reach;
+                    continue;
+                }
                 let (c, d) = (self.corners[j], self.corners[(j + 1) % n]);
                 // Two sides that touch have their first corners within two sides.
                 let leap = self.leap(a.distance(c) - 2.0 * self.longest);
@@ -78,6 +87,9 @@ impl<'a> Polygon<'a> {
                 let neighbours = i == 0 && j == n - 1;
                 if !neighbours && side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
                     count += 1;
+                    if most <= count {
+                        return count;
+                    }
                 }
                 j += 1;
             }

@@ -4,6 +4,7 @@ mod base;
 pub mod bias;
 pub mod bootstrap;
 pub mod circle;
+mod eight_places;
 mod estimating;
 pub mod even;
 pub mod fold_table;

@@ -385,7 +385,7 @@ mod tests {
         // It does not close as it stands: what closes it is found first, and stays so along every column.
         let start = Placed { curve, centre: Point::new(0.02, -0.01), phase: 0.0, radius: 0.2 };
         let closing = Closing::of(&start.curve).expect("it closes");
-        let (closed, _) = closing.closed(&curve, &[0.0; 6], [0.0; 2]).expect("it closes");
+        let (closed, _) = closing.closed(&start.curve, &[0.0; 6], [0.0; 2]).expect("it closes");
         assert!(closed.gap().norm() < 1e-14);
         let start = Placed { curve: closed, ..start };
         agrees(Family::Free, start, &[0.02, -0.01, 0.2, 0.01, -0.02, 0.0, 0.015, 0.0, 0.01]);

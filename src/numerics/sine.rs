@@ -37,15 +37,23 @@ pub fn sin_cos<V: Vector>(angle: V) -> (V, V) {
     let rest = turns.neg_mul_add(V::all(QUARTER[0]), angle);
     let rest = turns.neg_mul_add(V::all(QUARTER[1]), rest);
     let square = rest * rest;
-    let series = |coefficients: [f64; 8]| coefficients[1..].iter().fold(V::all(coefficients[0]), |sum, c| sum.mul_add(square, V::all(*c)));
-    let sine = (rest * square).mul_add(series(SINE), rest);
-    let cosine = square.mul_add(series(COSINE), V::all(1.0));
+    let sine = (rest * square).mul_add(series(SINE, square), rest);
+    let cosine = square.mul_add(series(COSINE, square), V::all(1.0));
     // Which quarter of the turn: 0, 1, 2 or 3.
     let quarter = turns - (((turns - 1.5) * 0.25 + WHOLE) - WHOLE) * 4.0;
     let half = V::all(0.5);
     let crosswise = ((quarter - 2.0).abs() - 1.0).abs();
     let (sin, cos) = (V::choose(crosswise, half, cosine, sine), V::choose(crosswise, half, sine, cosine));
     (V::choose(V::all(1.5), quarter, -sin, sin), V::choose((quarter - 1.5).abs(), V::all(1.0), -cos, cos))
+}
+
+#[inline(always)]
+fn series<V: Vector>(coefficients: [f64; 8], square: V) -> V {
+    let mut sum = V::all(coefficients[0]);
+    for coefficient in &coefficients[1..] {
+        sum = sum.mul_add(square, V::all(*coefficient));
+    }
+    sum
 }
 
 vectorized! {

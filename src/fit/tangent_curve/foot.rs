@@ -48,8 +48,13 @@ fn places<V: Vector>(curve: &TangentCurve, sigmas: &Lanes) -> Places<V> {
         unturned[1][part] = (u + (a * 2.0 + (c3 * 3.0 + (c4 * 4.0 + c5 * (x * 5.0)) * x) * x) * x) / V::all(h);
         unturned[2][part] = (a * 2.0 + (c3 * 6.0 + (c4 * 12.0 + c5 * (x * 20.0)) * x) * x) / V::all(h * h);
     }
-    let [position, first, second] = unturned.map(|[re, im]| [cos * re - sin * im, cos * im + sin * re]);
-    Places { position, first, second }
+    let turn = [cos, sin];
+    Places { position: turned(turn, unturned[0]), first: turned(turn, unturned[1]), second: turned(turn, unturned[2]) }
+}
+
+#[inline(always)]
+fn turned<V: Vector>([cos, sin]: [V; 2], [re, im]: [V; 2]) -> [V; 2] {
+    [cos * re - sin * im, cos * im + sin * re]
 }
 
 vectorized! {

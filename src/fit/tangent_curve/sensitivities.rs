@@ -107,8 +107,9 @@ vectorized! {
         let [re, im] = &sensitivities.position[width * node + vector];
         let [next_re, next_im] = &sensitivities.position[width * (node + 1) + vector];
         let (re, im) = (V::of(re) * *a + V::of(next_re) * *b, V::of(im) * *a + V::of(next_im) * *b);
-        let harmonic = |node: usize| V::of(basis(&sensitivities.curve.harmonics, width, node, vector));
-        let (here, there) = (harmonic(*node) * *c, harmonic(node + 1) * *d);
+        let harmonics = &sensitivities.curve.harmonics;
+        let here = V::of(basis(harmonics, width, *node, vector)) * *c;
+        let there = V::of(basis(harmonics, width, node + 1, vector)) * *d;
         let (re, im) = (re * turn.re - im * turn.im, im * turn.re + re * turn.im);
         let (re, im) = (re + here * f.re + there * g.re, im + here * f.im + there * g.im);
         *moved = (re * direction.re + im * direction.im).lanes();
