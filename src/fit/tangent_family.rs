@@ -180,8 +180,8 @@ pub(super) fn sines_of(hem: &Hem, harmonics: usize) -> Vec<f64> {
         })
         .collect();
     let coefficient = |k: usize| {
-        let term = |j: usize| psi[j] * (k as f64 * x[j]).sin();
-        (1..=NODES).map(|j| 0.5 * (term(j - 1) + term(j)) * (x[j] - x[j - 1])).sum::<f64>() / PI
+        let terms: Vec<f64> = psi.iter().zip(&x).map(|(psi, x)| psi * (k as f64 * x).sin()).collect();
+        (1..=NODES).map(|j| 0.5 * (terms[j - 1] + terms[j]) * (x[j] - x[j - 1])).sum::<f64>() / PI
     };
     (1..=harmonics).map(coefficient).collect()
 }

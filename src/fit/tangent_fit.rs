@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::tangent_curve::{C, TangentCurve};
+use super::tangent_curve::{C, Foot, TangentCurve};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::numerics::least_squares::{self, Options, Problem, Summary};
@@ -56,10 +56,9 @@ impl Placed {
         points.iter().map(|point| C::new(point.x - self.centre.x, point.y - self.centre.y) * turn).collect()
     }
 
-    /// Moves each of `feet` to the foot of its point near it, and fills in the signed distances, m, positive outside.
-    pub fn follow(&self, points: &[Point], feet: &mut [f64], distances: &mut [f64]) {
-        self.curve.follow(&self.own(points), feet, distances);
-        distances.iter_mut().for_each(|distance| *distance *= self.radius);
+    /// The foot of each of `points` near the σ of `from`, in the frame of the curve, unit radius.
+    pub fn follow(&self, points: &[Point], from: &[f64]) -> Vec<Foot> {
+        self.curve.follow(&self.own(points), from)
     }
 
     /// The feet of `points` that are nearest within `window` of `sigmas` either way.
@@ -73,9 +72,8 @@ impl Placed {
             let best = (middle - half..=middle + half).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(middle);
             TAU * best as f64 / n as f64
         };
-        let mut feet: Vec<f64> = own.iter().zip(sigmas).map(near).collect();
-        self.curve.follow(&own, &mut feet, &mut vec![0.0; points.len()]);
-        feet
+        let from: Vec<f64> = own.iter().zip(sigmas).map(near).collect();
+        self.curve.follow(&own, &from).iter().map(|foot| foot.sigma).collect()
     }
 }
 
@@ -121,9 +119,16 @@ pub fn fit(points: &[Point], family: &Family, start: Placed, feet: Vec<f64>, opt
     }
     let size = points.iter().map(|p| p.x.abs().max(p.y.abs())).fold(start.radius, f64::max);
     let options = &Options { residual_rounding: 4.0 * f64::EPSILON * size, ..*options };
-    let trial = feet.clone();
-    let mut problem =
-        Tangent { points, family: family.clone(), closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start };
+    let mut problem = Tangent {
+        points,
+        family: family.clone(),
+        closing,
+        lambda: [0.0; 2],
+        trial_lambda: [0.0; 2],
+        feet,
+        trial: Vec::new(),
+        placed: start,
+    };
     let summary = least_squares::solve(&mut problem, &unknowns, options)?;
     if let Some(placed) = problem.at(&summary.parameters) {
         problem.placed = placed;
@@ -139,7 +144,8 @@ struct Tangent<'a> {
     lambda: [f64; 2],
     trial_lambda: [f64; 2],
     feet: Vec<f64>,
-    trial: Vec<f64>,
+    /// Feet on the curve last evaluated; none before the first.
+    trial: Vec<Foot>,
     /// The curve last evaluated.
     placed: Placed,
 }
@@ -177,8 +183,10 @@ impl Problem for Tangent<'_> {
             return false;
         }
         let Some(placed) = self.at(unknowns).filter(|p| 0.0 < p.radius) else { return false };
-        self.trial.copy_from_slice(&self.feet);
-        placed.follow(self.points, &mut self.trial, residuals);
+        self.trial = placed.follow(self.points, &self.feet);
+        for (residual, foot) in residuals.iter_mut().zip(&self.trial) {
+            *residual = placed.radius * foot.distance;
+        }
         self.placed = placed;
         true
     }
@@ -188,17 +196,15 @@ impl Problem for Tangent<'_> {
         let sensitivities = curve.sensitivities();
         let turn = C::from_polar(1.0, *phase);
         let mut raw = DMatrix::zeros(self.points.len(), sensitivities.count());
-        for (i, &sigma) in self.trial.iter().enumerate() {
-            let place = curve.at(sigma);
-            // Outward normal in the curve's frame, and in the measurement's.
-            let normal = place.first * C::new(0.0, -1.0) / place.first.norm();
+        for (i, &Foot { sigma, position, normal, .. }) in self.trial.iter().enumerate() {
+            // The outward normal in the measurement's frame.
             let world = turn * normal;
             let along = |v: C| normal.re * v.re + normal.im * v.im;
             (jacobian[(i, 0)], jacobian[(i, 1)]) = (-world.re, -world.im);
-            let by_radius = -along(place.position);
+            let by_radius = -along(position);
             match &self.family {
                 Family::EqualFolds { radius: held, .. } => {
-                    jacobian[(i, 2)] = -radius * along(C::new(0.0, 1.0) * place.position);
+                    jacobian[(i, 2)] = -radius * along(C::new(0.0, 1.0) * position);
                     if held.is_none() {
                         jacobian[(i, 3)] = by_radius;
                     }
@@ -218,7 +224,7 @@ impl Problem for Tangent<'_> {
     }
 
     fn accept(&mut self) -> bool {
-        self.feet.clone_from(&self.trial);
+        self.feet = self.trial.iter().map(|foot| foot.sigma).collect();
         self.lambda = self.trial_lambda;
         true
     }
@@ -339,8 +345,7 @@ mod tests {
     fn problem(points: &[Point], family: Family, start: Placed) -> Tangent<'_> {
         let closing = (family == Family::Free).then(|| Closing::of(&start.curve).expect("it closes"));
         let feet: Vec<f64> = (0..points.len()).map(|i| TAU * i as f64 / points.len() as f64).collect();
-        let trial = feet.clone();
-        Tangent { points, family, closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start }
+        Tangent { points, family, closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial: Vec::new(), placed: start }
     }
 
     fn agrees(family: Family, start: Placed, unknowns: &[f64]) {

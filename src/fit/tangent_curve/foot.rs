@@ -9,12 +9,25 @@ const MOST_STEPS: usize = 30;
 /// Newton converges quadratically: what is left after such a step is rounding.
 const LAST_STEP: f64 = 1e-9;
 
+/// The foot of a point on a curve; unit radius.
+#[derive(Debug, Clone, Copy)]
+pub struct Foot {
+    pub sigma: f64,
+    pub position: C,
+    /// Outward, of unit length.
+    pub normal: C,
+    /// Of the point, positive outside.
+    pub distance: f64,
+}
+
 impl TangentCurve {
-    /// Follows the foot of each of `points` (frame of the curve, unit radius) downhill from its σ; then its signed distance, positive outside.
+    /// Follows the foot of each of `points` (frame of the curve, unit radius) downhill from its σ.
     ///
     /// Newton, with the Gauss–Newton curvature where the true one is small.
-    pub fn follow(&self, points: &[C], sigmas: &mut [f64], distances: &mut [f64]) {
-        follow_all(self, points, sigmas, distances);
+    pub fn follow(&self, points: &[C], from: &[f64]) -> Vec<Foot> {
+        let mut feet = Vec::with_capacity(points.len());
+        follow_all(self, points, from, &mut feet);
+        feet
     }
 }
 
@@ -58,15 +71,15 @@ fn turned<V: Vector>([cos, sin]: [V; 2], [re, im]: [V; 2]) -> [V; 2] {
 }
 
 vectorized! {
-    fn follow_all<V>(curve: &TangentCurve, points: &[C], sigmas: &mut [f64], distances: &mut [f64]) -> () {
+    fn follow_all<V>(curve: &TangentCurve, points: &[C], from: &[f64], feet: &mut Vec<Foot>) -> () {
         let top = curve.symmetry() as usize * curve.sines().len().clamp(1, 16);
         let longest = std::f64::consts::TAU / (6.0 * top as f64);
-        for ((points, sigmas), distances) in points.chunks(WIDTH).zip(sigmas.chunks_mut(WIDTH)).zip(distances.chunks_mut(WIDTH)) {
+        for (points, from) in points.chunks(WIDTH).zip(from.chunks(WIDTH)) {
             // Lanes without a point follow the first.
             let at = |lane: usize| points.get(lane).unwrap_or(&points[0]);
             let point: [V; 2] =
                 [V::of(&Lanes(std::array::from_fn(|lane| at(lane).re))), V::of(&Lanes(std::array::from_fn(|lane| at(lane).im)))];
-            let mut sigma = V::of(&Lanes(std::array::from_fn(|lane| *sigmas.get(lane).unwrap_or(&sigmas[0]))));
+            let mut sigma = V::of(&Lanes(std::array::from_fn(|lane| *from.get(lane).unwrap_or(&from[0]))));
             // 1 while a lane is on its way, 0 from its last step on.
             let mut moving = V::all(1.0);
             for _ in 0..MOST_STEPS {
@@ -83,10 +96,14 @@ vectorized! {
             }
             let places: Places<V> = places(curve, &sigma.lanes());
             let ([px, py], [tx, ty]) = (places.position, places.first);
-            let outside = ((point[0] - px) * ty - (point[1] - py) * tx).lanes();
-            let (tx, ty) = (tx.lanes(), ty.lanes());
-            distances.iter_mut().enumerate().for_each(|(lane, distance)| *distance = outside.0[lane] / tx.0[lane].hypot(ty.0[lane]));
-            sigmas.copy_from_slice(&sigma.lanes().0[..sigmas.len()]);
+            let outside = ((point[0] - px) * ty - (point[1] - py) * tx).lanes().0;
+            let (sigma, px, py) = (sigma.lanes().0, px.lanes().0, py.lanes().0);
+            let (tx, ty) = (tx.lanes().0, ty.lanes().0);
+            for lane in 0..points.len() {
+                let speed = tx[lane].hypot(ty[lane]);
+                let normal = C::new(ty[lane] / speed, -tx[lane] / speed);
+                feet.push(Foot { sigma: sigma[lane], position: C::new(px[lane], py[lane]), normal, distance: outside[lane] / speed });
+            }
         }
     }
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use nalgebra::Complex;
 
+pub use self::foot::Foot;
 use self::harmonics::Harmonics;
 pub use self::sensitivities::Sensitivities;
 use crate::numerics::lanes::{Lanes, WIDTH};
