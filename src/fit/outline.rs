@@ -12,7 +12,8 @@ use super::even::{self, even_folds};
 use crate::experiment::polygon::Polygon;
 use crate::experiment::{DrapeProfile, Point};
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::lanes::Lanes;
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, turned};
+use crate::numerics::sine::sin_cos;
 use crate::vectorized;
 
 /// Samples of the polygon, and of the smooth curve: 1024 resolve 60 folds with 17 samples each.
@@ -286,62 +287,99 @@ impl Series {
     /// Straight sides flatten the harmonic k by sinc²(k·spacing); that is undone.
     fn of(samples: &[Point], order: usize, spacing: f64) -> Series {
         let n = samples.len();
-        let table: Vec<(f64, f64)> = (0..n).map(|j| (TAU * j as f64 / n as f64).sin_cos()).collect();
-        let coefficient = |k: usize, sign: f64| {
-            let (mut re, mut im) = (0.0, 0.0);
-            for (j, p) in samples.iter().enumerate() {
-                let (sin, cos) = table[j * k % n];
-                let sin = sign * sin;
-                re += p.x * cos + p.y * sin;
-                im += p.y * cos - p.x * sin;
-            }
+        let (x, y) = (in_eights(samples.iter().map(|p| p.x), 0.0), in_eights(samples.iter().map(|p| p.y), 0.0));
+        let angles = in_eights((0..n).map(|j| TAU * j as f64 / n as f64), 0.0);
+        let mut sums = vec![[0.0; 4]; order];
+        harmonics(&angles, &x, &y, &mut sums);
+        let pair = |k: usize, [x_cos, x_sin, y_cos, y_sin]: [f64; 4]| {
             let angle = PI * k as f64 * spacing;
             let flattened = if angle < 1e-6 { 1.0 } else { (angle.sin() / angle).powi(2) };
             let weight = 1.0 / (n as f64 * flattened.max(0.5));
-            (re * weight, im * weight)
+            [((x_cos + y_sin) * weight, (y_cos - x_sin) * weight), ((x_cos - y_sin) * weight, (y_cos + x_sin) * weight)]
         };
-        Series { centre: coefficient(0, 1.0), pairs: (1..=order).map(|k| [coefficient(k, 1.0), coefficient(k, -1.0)]).collect() }
+        Series { centre: centroid(samples), pairs: (1..).zip(sums).map(|(k, sums)| pair(k, sums)).collect() }
     }
 
     /// `n` points at equal steps of the parameter.
     fn samples(&self, n: usize, order: usize) -> Vec<Point> {
-        let table: Vec<(f64, f64)> = (0..n).map(|j| (TAU * j as f64 / n as f64).sin_cos()).collect();
-        let mut points = vec![Point::new(self.centre.0, self.centre.1); n];
-        for (k, pair) in (1..=order).zip(&self.pairs) {
-            for (j, point) in points.iter_mut().enumerate() {
-                let (dx, dy) = contribution(pair, table[j * k % n]);
-                point.x += dx;
-                point.y += dy;
-            }
-        }
+        let mut points = Vec::with_capacity(n + WIDTH);
+        let angles = in_eights((0..n).map(|j| TAU * j as f64 / n as f64), 0.0);
+        add_harmonics(self.centre, &self.pairs[..order.min(self.pairs.len())], &angles, &mut points);
+        points.truncate(n);
         points
     }
 }
 
-/// What the harmonics ±k add where k times the angle has this (sine, cosine).
-fn contribution([(a, b), (c, d)]: &[(f64, f64); 2], (sin, cos): (f64, f64)) -> (f64, f64) {
-    ((a + c) * cos + (d - b) * sin, (b + d) * cos + (a - c) * sin)
+vectorized! {
+    /// For k = 1, 2, … the sums of x and y times cosine and sine of k times the angle: x cos, x sin, y cos, y sin.
+    fn harmonics<V>(angles: &[Lanes], x: &[Lanes], y: &[Lanes], sums: &mut [[f64; 4]]) -> () {
+        let units: Vec<[Lanes; 2]> = unit_circle::<V>(angles);
+        let mut turns = vec![[Lanes([1.0; WIDTH]), Lanes::ZERO]; angles.len()];
+        for sum in sums {
+            let mut parts = [V::zero(); 4];
+            for (((turn, unit), x), y) in turns.iter_mut().zip(&units).zip(x).zip(y) {
+                let (cos, sin) = turned((V::of(&turn[0]), V::of(&turn[1])), (V::of(&unit[0]), V::of(&unit[1])));
+                *turn = [cos.lanes(), sin.lanes()];
+                let (x, y) = (V::of(x), V::of(y));
+                parts[0] = x.mul_add(cos, parts[0]);
+                parts[1] = x.mul_add(sin, parts[1]);
+                parts[2] = y.mul_add(cos, parts[2]);
+                parts[3] = y.mul_add(sin, parts[3]);
+            }
+            *sum = [parts[0].sum(), parts[1].sum(), parts[2].sum(), parts[3].sum()];
+        }
+    }
+}
+
+vectorized! {
+    fn add_harmonics<V>(centre: (f64, f64), pairs: &[[(f64, f64); 2]], angles: &[Lanes], points: &mut Vec<Point>) -> () {
+        for unit in unit_circle::<V>(angles) {
+            let unit = (V::of(&unit[0]), V::of(&unit[1]));
+            let (mut x, mut y) = (V::all(centre.0), V::all(centre.1));
+            let mut turn = unit;
+            for pair in pairs {
+                let [dx, dy] = contribution(pair, turn);
+                (x, y) = (x + dx, y + dy);
+                turn = turned(turn, unit);
+            }
+            let (x, y) = (x.lanes().0, y.lanes().0);
+            for lane in 0..WIDTH {
+                points.push(Point::new(x[lane], y[lane]));
+            }
+        }
+    }
+}
+
+/// (cos, sin) of angles.
+#[inline(always)]
+fn unit_circle<V: Vector>(angles: &[Lanes]) -> Vec<[Lanes; 2]> {
+    let mut units = Vec::with_capacity(angles.len());
+    for angle in angles {
+        let (sin, cos) = sin_cos(V::of(angle));
+        units.push([cos.lanes(), sin.lanes()]);
+    }
+    units
+}
+
+/// What the harmonics ±k add where k times the angle has this (cosine, sine).
+#[inline(always)]
+fn contribution<V: Vector>([(a, b), (c, d)]: &[(f64, f64); 2], (cos, sin): (V, V)) -> [V; 2] {
+    [cos * (a + c) + sin * (d - b), cos * (b + d) + sin * (a - c)]
 }
 
 /// The order of least AICc, the root mean square distance that it leaves in each coordinate, and the criterion.
 fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (usize, f64, f64) {
     let values = 2.0 * points.len() as f64;
-    let mut left: Vec<(f64, f64)> = points.iter().map(|p| (p.x - series.centre.0, p.y - series.centre.1)).collect();
-    // (sin, cos) of the angle itself and of k times it, the latter carried along by the addition theorem.
-    let unit: Vec<(f64, f64)> = fraction.iter().map(|f| (TAU * f).sin_cos()).collect();
-    let mut turned = vec![(0.0, 1.0); points.len()];
+    let mut squares = vec![0.0; series.pairs.len()];
+    // Where there is no point nothing is left.
+    let left = |of: fn(&Point) -> f64, centre: f64| in_eights(points.iter().map(|p| of(p) - centre), 0.0);
+    let weight = in_eights(points.iter().map(|_| 1.0), 0.0);
+    let angles = in_eights(fraction.iter().map(|f| TAU * f), 0.0);
+    take_harmonics(&series.pairs, &angles, &weight, left(|p| p.x, series.centre.0), left(|p| p.y, series.centre.1), &mut squares);
     let mut best = (f64::INFINITY, 1, 0.0);
-    for (k, pair) in (1..).zip(&series.pairs) {
+    for (k, square) in (1..).zip(squares) {
         if best.1 + PATIENCE < k {
             break;
-        }
-        let mut square = 0.0;
-        for (((x, y), turned), unit) in left.iter_mut().zip(&mut turned).zip(&unit) {
-            *turned = (turned.0 * unit.1 + turned.1 * unit.0, turned.1 * unit.1 - turned.0 * unit.0);
-            let (dx, dy) = contribution(pair, *turned);
-            *x -= dx;
-            *y -= dy;
-            square += *x * *x + *y * *y;
         }
         let parameters = 2.0 * (2.0 * k as f64 + 1.0) + 1.0;
         let criterion = akaike(square / values, values, parameters);
@@ -353,6 +391,35 @@ fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (us
         }
     }
     (best.1, best.2, best.0)
+}
+
+vectorized! {
+    /// What is left of x and y, squared and added up, as one pair of harmonics after the other is taken off.
+    fn take_harmonics<V>(
+        pairs: &[[(f64, f64); 2]],
+        angles: &[Lanes],
+        weight: &[Lanes],
+        x: Vec<Lanes>,
+        y: Vec<Lanes>,
+        squares: &mut [f64],
+    ) -> () {
+        let units = unit_circle::<V>(angles);
+        let mut turns = units.clone();
+        let (mut x, mut y) = (x, y);
+        for (pair, square) in pairs.iter().zip(squares) {
+            let mut sum = V::zero();
+            for (i, unit) in units.iter().enumerate() {
+                let turn = (V::of(&turns[i][0]), V::of(&turns[i][1]));
+                let ([dx, dy], weight) = (contribution(pair, turn), V::of(&weight[i]));
+                let (left_x, left_y) = (V::of(&x[i]) - dx * weight, V::of(&y[i]) - dy * weight);
+                sum = sum + (left_x * left_x + left_y * left_y);
+                (x[i], y[i]) = (left_x.lanes(), left_y.lanes());
+                let (cos, sin) = turned(turn, (V::of(&unit[0]), V::of(&unit[1])));
+                turns[i] = [cos.lanes(), sin.lanes()];
+            }
+            *square = sum.sum();
+        }
+    }
 }
 
 #[cfg(test)]

@@ -77,7 +77,9 @@ impl LengthTable {
     /// The same, looked for from the entry `near` of the table on, which is moved to where it was found.
     fn parameter_near(&self, f: f64, near: &mut usize) -> f64 {
         let scaled = f * self.folds;
-        let fold = scaled.floor();
+        // Rounded down by hand: the system's function costs as much as all else here.
+        let towards_zero = scaled as i64 as f64;
+        let fold = if scaled < towards_zero { towards_zero - 1.0 } else { towards_zero };
         let within = scaled - fold;
         if within < self.fraction[*near - 1] {
             *near = 1;

@@ -60,11 +60,11 @@ pub(super) fn path(samples: &[Point], nodes: &[Point], from: usize, lag: i64, ba
     let n = samples.len();
     let width = (2 * band.half + 1) as usize;
     let shape = Shape { steps: n, width, stride: width / 2 + 4 + WIDTH };
-    // The lanes after the last are read, and count for nothing.
-    let all = || (0..=n + WIDTH).map(|step| samples[(from + step) % n]);
-    let first = from as i64 - band.half + band.base;
     let last = n + width - 1;
-    let met = || (0..=last + WIDTH).map(|j| nodes[(first + last as i64 - j as i64).rem_euclid(n as i64) as usize]);
+    let first = (from as i64 - band.half + band.base + last as i64).rem_euclid(n as i64) as usize;
+    // The lanes after the last are read, and count for nothing.
+    let all = || samples[from..].iter().chain(samples.iter().cycle()).take(n + 1 + WIDTH);
+    let met = || nodes[..=first].iter().rev().chain(nodes.iter().rev().cycle()).take(last + 1 + WIDTH);
     let places = Places {
         x: all().map(|p| p.x).collect(),
         y: all().map(|p| p.y).collect(),
