@@ -6,9 +6,10 @@
 
 use std::f64::consts::TAU;
 
+use super::crossings::crosses_more_than;
 use super::eight_places::points_at;
 use super::outcome::Rule;
-use super::outline::{MISSING, Outline, crosses_more_than};
+use super::outline::{MISSING, Outline};
 use super::start::LengthTable;
 use crate::experiment::Point;
 use crate::experiment::polygon::Polygon;

@@ -10,8 +10,9 @@ use std::f64::consts::TAU;
 use nalgebra::{SMatrix, SVector};
 
 use self::path::{Band, path};
+use super::crossings::crosses_more_than;
 use super::eight_places::{Places, in_eights, points_at};
-use super::outline::{Outline, crosses_more_than};
+use super::outline::Outline;
 use super::start::{LengthTable, Start};
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
