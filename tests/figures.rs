@@ -16,7 +16,7 @@ use hemline::report::kinds::{KINDS, Needs, Of, Subject};
 use hemline::report::picture::{self, Form};
 use hemline::study::campaign::{CampaignStudy, Measured, analyse};
 use hemline::study::part::{Part, Runs, analyse_part};
-use resvg::usvg::{self, fontdb};
+use usvg::fontdb;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -257,9 +257,9 @@ fn decoded(bytes: &[u8]) -> Picture {
 /// elsewhere has not.
 fn strays(a: &Picture, b: &Picture) -> usize {
     assert_eq!((a.width, a.levels.len()), (b.width, b.levels.len()), "the pictures differ in size");
-    // The rasterizer counts an edge in quarters of a dot, so one that is rounded otherwise changes a dot by a quarter of the scale, 64 levels; the thinnest
-    // letter in the lightest colour of type makes its dots darker by more than 80.
-    const LIKE: u8 = 72;
+    // The rasterizer measures how much of a dot is covered: an edge that is rounded otherwise, by half a step of the drawing's grid, changes a dot by a
+    // twenty-fifth of the scale, 10 levels; the thinnest letter in the lightest colour of type makes its dots darker by 60 and more.
+    const LIKE: u8 = 48;
     let (width, height) = (a.width, a.levels.len() / a.width);
     let near = |i: usize, j: usize, other: &Picture, level: u8| {
         let (rows, columns) = (i.saturating_sub(1)..=(i + 1).min(height - 1), j.saturating_sub(1)..=(j + 1).min(width - 1));

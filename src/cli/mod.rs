@@ -6,6 +6,7 @@ pub mod fit;
 pub mod identify;
 pub mod import;
 pub mod init;
+mod memory;
 pub mod mesh;
 pub mod paper;
 mod pictures;

@@ -87,6 +87,7 @@ pub struct Report {
 /// # Errors
 /// Those of [`import::load`], [`Letterhead::read`] and [`report::write`].
 pub fn run(args: &Report) -> Result<ExitCode, Error> {
+    super::memory::share_heaps();
     // A header that cannot be used is said before the campaign is analysed.
     args.flags.letterhead()?;
     let imported = import::load(&args.campaign)?;

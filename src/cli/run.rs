@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::cli::memory;
 use crate::cli::pictures::write_overlays;
 use crate::cli::print;
 use crate::cli::report::ReportFlags;
@@ -68,6 +69,7 @@ impl Default for Run {
 /// # Errors
 /// Those of [`import::load`] and [`report::write`].
 pub fn run(args: &Run) -> Result<ExitCode, Error> {
+    memory::share_heaps();
     // A header that cannot be used is said before the campaign is analysed.
     args.flags.letterhead()?;
     let mut imported = import::load(&args.campaign)?;

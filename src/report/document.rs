@@ -16,9 +16,8 @@ use super::gallery::Gallery;
 use super::language::Translator;
 use super::number::plain;
 use super::section::Section;
-use super::typeset::{self, Manuscript};
+use super::typeset::Manuscript;
 use super::{Options, Paper, Provenance, number};
-use crate::error::Error;
 use crate::experiment::campaign::{Folds, HemLength};
 use crate::experiment::{Apparatus, Campaign};
 use crate::study::campaign::CampaignStudy;
@@ -37,11 +36,8 @@ const FOOTER: usize = 200;
 /// Keys of the data below which nothing is translated: the laboratory's own, and names of files.
 const VERBATIM: [&str; 8] = ["title", "origin", "origin-short", "program", "date", "letterhead", "look", "sources"];
 
-/// Sets the report of a campaign with the figures of its gallery, whose words are in the language already.
-///
-/// # Errors
-/// [`Error::Output`] if the document cannot be set.
-pub fn pdf(study: &CampaignStudy, gallery: Gallery, options: &Options, translator: &Translator) -> Result<Vec<u8>, Error> {
+/// The report of a campaign, to be set, with the figures of its gallery, whose words are in the language already.
+pub fn manuscript(study: &CampaignStudy, gallery: Gallery, options: &Options, translator: &Translator) -> Manuscript {
     let own = options.letterhead.own_template.as_deref();
     let template = own.unwrap_or(TEMPLATE);
     let mut manuscript = Manuscript { template: template.into(), date: options.provenance.date, ..Manuscript::default() };
@@ -57,7 +53,7 @@ pub fn pdf(study: &CampaignStudy, gallery: Gallery, options: &Options, translato
     for (stem, svg) in gallery {
         file(&format!("figures/{stem}.svg"), svg.into_bytes());
     }
-    typeset::pdf(manuscript)
+    manuscript
 }
 
 /// Everything that a template shows, in the language of the report.

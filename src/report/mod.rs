@@ -178,23 +178,22 @@ pub fn write_with(
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
     // Pictures first, on all cores, then the document: the two at once would need the room of both, and the document then takes the figures as its own.
     let pictures = if options.wants(Part::Figures) { picture::write_all(&gallery, folder, options.dpi, progress)? } else { vec![] };
-    let mut written = write_but_pictures(study, folder, options, gallery, &translator)?;
-    written.extend(pictures);
-    Ok(written)
+    let manuscript = options.wants(Part::Pdf).then(|| document::manuscript(study, gallery, options, &translator));
+    // The typesetter leaves cores idle; the rest fills them.
+    let mut document = None;
+    let rest = rayon::in_place_scope(|scope| {
+        if let Some(manuscript) = manuscript {
+            scope.spawn(|_| document = Some(typeset::pdf(manuscript).and_then(|bytes| output::write(folder, "report.pdf", &bytes))));
+        }
+        write_rest(study, folder, options, &translator)
+    });
+    Ok(document.transpose()?.into_iter().chain(rest?).chain(pictures).collect())
 }
 
-fn write_but_pictures(
-    study: &CampaignStudy,
-    folder: &Path,
-    options: &Options,
-    gallery: gallery::Gallery,
-    translator: &Translator,
-) -> Result<Vec<PathBuf>, Error> {
+/// The page, the tables and the summary.
+fn write_rest(study: &CampaignStudy, folder: &Path, options: &Options, translator: &Translator) -> Result<Vec<PathBuf>, Error> {
     let mut written = vec![];
     let mut put = |name: &str, bytes: &[u8]| output::write(folder, name, bytes).map(|path| written.push(path));
-    if options.wants(Part::Pdf) {
-        put("report.pdf", &document::pdf(study, gallery, options, translator)?)?;
-    }
     if options.wants(Part::Html) {
         put("report.html", page::html(study, options, translator).as_bytes())?;
     }

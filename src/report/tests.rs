@@ -120,7 +120,7 @@ fn a_campaign_without_regressions_theory_or_cloth_still_has_a_document() {
         run.lambda = Default::default();
     }
     let gallery = gallery::draw(&study).unwrap();
-    let pdf = document::pdf(&study, gallery, &Options::default(), &english(&study)).unwrap();
+    let pdf = typeset::pdf(document::manuscript(&study, gallery, &Options::default(), &english(&study))).unwrap();
     assert!(pdf.starts_with(b"%PDF"));
 }
 
@@ -160,6 +160,6 @@ fn a_campaign_in_which_everything_failed_still_has_a_document() {
         regression.analysis = Err("no run has this number".into());
     }
     let gallery = gallery::draw(&study).unwrap();
-    assert!(document::pdf(&study, gallery, &Options::default(), &english(&study)).unwrap().starts_with(b"%PDF"));
+    assert!(typeset::pdf(document::manuscript(&study, gallery, &Options::default(), &english(&study))).unwrap().starts_with(b"%PDF"));
     assert!(!summary::summary(&study, &Provenance::default()).to_string().contains("NaN"));
 }

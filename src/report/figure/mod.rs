@@ -5,6 +5,7 @@ pub mod contour;
 pub mod asked;
 pub mod cube;
 pub mod distance;
+pub mod drawing;
 pub mod fidelities;
 pub mod folds;
 pub mod gap;

@@ -1,4 +1,4 @@
-//! The sheet that every figure is drawn on: its size on paper, its type, its lines and colours; the only door to the plotting crate's backend.
+//! The sheet that every figure is drawn on: its size on paper, its type, its lines and colours.
 //!
 //! A sheet is measured in millimetres and drawn on a grid of [`GRID`] steps each, so that curves are smooth although the backend counts in integers.
 
@@ -7,6 +7,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::drawing::{Drawing, FONT_FACTOR};
 use crate::error::Error;
 use crate::report::number;
 
@@ -22,8 +23,6 @@ const EDGE: f64 = 0.8;
 
 /// The family that both the PDF and the PNG embed.
 const FAMILY: &str = "DejaVu Sans";
-/// The SVG backend divides font sizes by this.
-const BACKEND_FONT_FACTOR: f64 = 1.24;
 
 /// Sizes of type, points.
 pub const TITLE: f64 = 8.5;
@@ -41,8 +40,8 @@ pub const SKY: RGBColor = RGBColor(86, 180, 233);
 pub const GREY: RGBColor = RGBColor(110, 110, 110);
 pub const PALE: RGBColor = RGBColor(222, 222, 222);
 
-pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub type Area<'a> = DrawingArea<Drawing<'a>, Shift>;
+pub type Chart<'a, 'b> = ChartContext<'a, Drawing<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 /// What a figure's drawing may fail with.
 pub type Drawn = Result<(), Box<dyn std::error::Error>>;
 
@@ -54,32 +53,12 @@ pub fn draw(what: &str, width: f64, height: f64, paint: impl FnOnce(&Area<'_>) -
     let mut svg = String::new();
     let size = (steps(width) as u32, steps(height) as u32);
     let painted = {
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        let area = Drawing::new(&mut svg, size, (width, height)).into_drawing_area();
         let filled = area.fill(&WHITE).map_err(Into::into);
         filled.and_then(|()| paint(&area)).and_then(|()| area.present().map_err(Into::into))
     };
     painted.map_err(|error: Box<dyn std::error::Error>| Error::Output { what: what.to_string(), why: error.to_string() })?;
-    // The backend states its size in pixels; on paper it is in millimetres.
-    let in_steps = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
-    Ok(without_empty_texts(&svg).replacen(&in_steps, &format!("width=\"{width}mm\" height=\"{height}mm\""), 1))
-}
-
-/// The backend writes a text without letters where a tick has no name; a drawing has none.
-fn without_empty_texts(svg: &str) -> String {
-    let mut kept = String::with_capacity(svg.len());
-    let mut rest = svg;
-    while let Some(at) = rest.find("<text ") {
-        let end = rest[at..].find("</text>").map_or(rest.len(), |end| at + end + "</text>".len());
-        let (before, text) = (&rest[..at], &rest[at..end]);
-        kept.push_str(before);
-        let letters = text.find('>').map_or("", |open| text[open + 1..].trim_end_matches("</text>"));
-        if !letters.trim().is_empty() {
-            kept.push_str(text);
-        }
-        rest = &rest[end..];
-    }
-    kept.push_str(rest);
-    kept
+    Ok(svg)
 }
 
 /// A length on the sheet in grid steps.
@@ -109,7 +88,7 @@ pub fn fill(color: RGBColor) -> ShapeStyle {
 
 /// Type of `size` points.
 pub fn font(size: f64) -> FontDesc<'static> {
-    FontDesc::new(FontFamily::Name(FAMILY), size * POINT * GRID * BACKEND_FONT_FACTOR, FontStyle::Normal)
+    FontDesc::new(FontFamily::Name(FAMILY), size * POINT * GRID * FONT_FACTOR, FontStyle::Normal)
 }
 
 fn anchored(size: f64, color: RGBColor, bold: bool, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {

@@ -92,7 +92,8 @@ fn bar(area: &Area<'_>, field: &Field, (least, most): (f64, f64), left: f64) -> 
     let at = |i: usize| steps(from + width * i as f64 / BAR_STEPS as f64);
     for i in 0..BAR_STEPS {
         let color = shade((i as f64 + 0.5) / BAR_STEPS as f64);
-        area.draw(&Rectangle::new([(at(i), steps(top)), (at(i + 1), steps(top + thick))], sheet::fill(color)))?;
+        // Under the next one too: no paper shines through a seam.
+        area.draw(&Rectangle::new([(at(i), steps(top)), (at((i + 2).min(BAR_STEPS)), steps(top + thick))], sheet::fill(color)))?;
     }
     area.draw(&Rectangle::new([(at(0), steps(top)), (at(BAR_STEPS), steps(top + thick))], line(GREY, 0.15)))?;
     let unit = if field.unit.is_empty() { field.name.clone() } else { format!("{}, {}", field.name, field.unit) };

@@ -1,5 +1,7 @@
 //! How much room a word of a figure has: from its anchor to the next word, sign or edge of the sheet on its line.
 
+use crate::report::figure::drawing::pieces;
+
 /// What is kept free between a word and its neighbour, steps of the drawing's grid: 0.6 mm.
 const GAP: f64 = 24.0;
 /// What is kept free at the edge of the sheet, steps: 0.3 mm.
@@ -125,34 +127,17 @@ pub fn signs(figure: &str) -> Vec<Extent> {
     let mut found = vec![];
     for element in figure.split('<') {
         let number = |name: &str| attribute(element, name).and_then(|value| value.parse::<f64>().ok());
-        let extent = if element.starts_with("circle") {
-            number("cx").zip(number("cy")).zip(number("r")).map(|((x, y), r)| (vec![(x - r, y - r), (x + r, y + r)], 0.0))
-        } else if element.starts_with("line") {
-            let ends = number("x1").zip(number("y1")).zip(number("x2").zip(number("y2")));
-            ends.map(|(from, to)| (vec![from, to], 0.5 * number("stroke-width").unwrap_or(0.0)))
-        } else if element.starts_with("rect") {
-            let at = number("x").zip(number("y"));
-            at.zip(number("width").zip(number("height"))).map(|((x, y), (wide, high))| (vec![(x, y), (x + wide, y + high)], 0.0))
-        } else if element.starts_with("polyline") {
-            let points = attribute(element, "points").unwrap_or_default();
-            let corners: Vec<(f64, f64)> = points
-                .split_whitespace()
-                .take(CORNERS + 1)
-                .filter_map(|pair| pair.split_once(','))
-                .filter_map(|(x, y)| x.parse().ok().zip(y.parse().ok()))
-                .collect();
-            (corners.len() <= CORNERS).then_some((corners, 0.5 * number("stroke-width").unwrap_or(0.0)))
-        } else {
-            None
-        };
-        let Some((points, half)) = extent.filter(|(points, _)| !points.is_empty()) else { continue };
+        let Some(path) = attribute(element, "d").filter(|_| element.starts_with("path")) else { continue };
+        let half = 0.5 * number("stroke-width").unwrap_or(0.0);
         let none = Extent { left: f64::INFINITY, top: f64::INFINITY, right: f64::NEG_INFINITY, bottom: f64::NEG_INFINITY };
-        found.push(points.iter().fold(none, |all, &(x, y)| Extent {
-            left: all.left.min(x - half),
-            top: all.top.min(y - half),
-            right: all.right.max(x + half),
-            bottom: all.bottom.max(y + half),
-        }));
+        for corners in pieces(path).iter().filter(|corners| (1..=CORNERS).contains(&corners.len())) {
+            found.push(corners.iter().fold(none, |all, &(x, y)| Extent {
+                left: all.left.min(x - half),
+                top: all.top.min(y - half),
+                right: all.right.max(x + half),
+                bottom: all.bottom.max(y + half),
+            }));
+        }
     }
     found
 }
@@ -210,8 +195,8 @@ mod tests {
 
     #[test]
     fn signs_are_found_and_curves_are_not() {
-        let figure = "<svg viewBox=\"0 0 1000 400\"><circle cx=\"10\" cy=\"20\" r=\"5\"/><polyline stroke-width=\"2\" points=\"0,0 30,0 \"/>\
-                      <polyline points=\"0,0 1,1 2,0 3,1 4,0 5,1 6,0 7,1 8,0 9,1\"/></svg>";
+        let figure = "<svg viewBox=\"0 0 1000 400\"><path fill=\"#000000\" d=\"M5,20a5,5 0 1,1 10,0 5,5 0 1,1 -10,0z\"/>\
+                      <path stroke-width=\"2\" d=\"M0,0l30,0M0,0l1,1 1,-1 1,1 1,-1 1,1 1,-1 1,1 1,-1 1,1\"/></svg>";
         let found = signs(figure);
         assert_eq!(found.len(), 2);
         assert_eq!(found[0], Extent { left: 5.0, top: 15.0, right: 15.0, bottom: 25.0 });
