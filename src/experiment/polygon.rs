@@ -1,16 +1,48 @@
 //! What is asked of a closed polygon again and again, without looking at every side each time.
 //!
-//! Corners follow one another at no more than the longest side, so a corner far from where something is sought says how many sides after it are
-//! too far as well. They are leapt over; the answers are those of looking at every side.
+//! Eight sides in a row lie within a circle about them. Where that is too far from what is sought its sides are passed over; the answers are those of
+//! looking at every side.
 
 use super::Point;
 
+/// Sides in one circle.
+const SIDES: usize = 8;
+/// So much more than their radii do circles reach, as a share: rounding passes over no side.
+const MARGIN: f64 = 1.0 + 1e-9;
+
 /// A closed polygon.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Polygon<'a> {
     corners: &'a [Point],
-    /// Length of the longest side, m.
-    longest: f64,
+    /// About every [`SIDES`] sides in order.
+    circles: Vec<Circle>,
+}
+
+/// A circle about a few sides, m.
+#[derive(Debug, Clone, Copy)]
+struct Circle {
+    x: f64,
+    y: f64,
+    radius: f64,
+}
+
+impl Circle {
+    fn about(corners: impl Iterator<Item = Point> + Clone) -> Self {
+        let (mut low, mut high) = (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
+        for corner in corners.clone() {
+            (low.x, low.y) = (low.x.min(corner.x), low.y.min(corner.y));
+            (high.x, high.y) = (high.x.max(corner.x), high.y.max(corner.y));
+        }
+        let middle = Point::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y));
+        let radius = corners.map(|corner| middle.distance(corner)).fold(0.0, f64::max);
+        Circle { x: middle.x, y: middle.y, radius: MARGIN * radius }
+    }
+
+    /// Whether it comes within `distance` of a point.
+    fn reaches(&self, x: f64, y: f64, distance: f64) -> bool {
+        let (dx, dy, reach) = (self.x - x, self.y - y, self.radius + distance);
+        dx * dx + dy * dy <= MARGIN * (reach * reach)
+    }
 }
 
 /// The place of a polygon that is nearest to a point.
@@ -19,6 +51,8 @@ pub struct NearestPlace {
     /// Squared distance, m².
     pub square: f64,
     pub foot: Point,
+    /// The corner at which its side begins.
+    pub corner: usize,
     /// The side it lies on, from corner to corner, m.
     pub side: (f64, f64),
 }
@@ -26,71 +60,87 @@ pub struct NearestPlace {
 impl<'a> Polygon<'a> {
     /// `corners` in order, at least one; the last is joined to the first.
     pub fn new(corners: &'a [Point]) -> Self {
-        let longest = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-        Polygon { corners, longest }
+        let n = corners.len();
+        let about = |first: usize| Circle::about((first..=(first + SIDES).min(n)).map(|i| corners[if i < n { i } else { 0 }]));
+        Polygon { corners, circles: (0..n).step_by(SIDES).map(about).collect() }
     }
 
     /// The place nearest to `point`; of several equally near ones that on the first side.
     pub fn nearest(&self, point: Point) -> NearestPlace {
-        let n = self.corners.len();
         // A corner's distance bounds the least one from above. Every sixteenth corner will do.
-        let square_to = |corner: &Point| (point.x - corner.x).powi(2) + (point.y - corner.y).powi(2);
-        let mut bound = self.corners.iter().step_by(16).map(square_to).fold(f64::INFINITY, f64::min).sqrt();
-        let mut found = NearestPlace { square: f64::INFINITY, foot: self.corners[0], side: (0.0, 0.0) };
-        let mut i = 0;
-        while i < n {
-            let (a, b) = (self.corners[i], self.corners[if i + 1 < n { i + 1 } else { 0 }]);
-            let (dx, dy) = (point.x - a.x, point.y - a.y);
-            let away = (dx * dx + dy * dy).sqrt();
-            let sides = self.leap(away - bound);
-            if 0 < sides {
-                i += sides;
+        let near = (0..self.corners.len()).step_by(16).map(|i| (square(point, self.corners[i]), i));
+        self.nearest_from(point, near.fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a }).1)
+    }
+
+    /// The same, fastest where `corner` is near to it.
+    pub fn nearest_from(&self, point: Point, corner: usize) -> NearestPlace {
+        let n = self.corners.len();
+        let mut bound = square(point, self.corners[corner]).sqrt();
+        let mut found = NearestPlace { square: f64::INFINITY, foot: self.corners[0], corner: 0, side: (0.0, 0.0) };
+        for (k, circle) in self.circles.iter().enumerate() {
+            if !circle.reaches(point.x, point.y, bound) {
                 continue;
             }
-            let (ex, ey) = (b.x - a.x, b.y - a.y);
-            let share = ((dx * ex + dy * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            let square = (dx - share * ex).powi(2) + (dy - share * ey).powi(2);
-            if square < found.square {
-                found = NearestPlace { square, foot: Point::new(a.x + share * ex, a.y + share * ey), side: (ex, ey) };
-                bound = bound.min(square.sqrt());
+            for i in SIDES * k..(SIDES * (k + 1)).min(n) {
+                let (a, b) = (self.corners[i], self.corners[if i + 1 < n { i + 1 } else { 0 }]);
+                let (dx, dy) = (point.x - a.x, point.y - a.y);
+                let (ex, ey) = (b.x - a.x, b.y - a.y);
+                let share = ((dx * ex + dy * ey) / (ex * ex + ey * ey).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                let square = (dx - share * ex).powi(2) + (dy - share * ey).powi(2);
+                if square < found.square {
+                    found = NearestPlace { square, foot: Point::new(a.x + share * ex, a.y + share * ey), corner: i, side: (ex, ey) };
+                }
             }
-            i += 1;
+            bound = bound.min(found.square.sqrt());
         }
         found
     }
 
     /// How often the first `sides` sides cross a later side.
     pub fn crossings_of(&self, sides: usize) -> usize {
+        self.crossings_within(sides, self.corners.len(), usize::MAX)
+    }
+
+    /// The same of sides that are no further than `reach` sides apart, one way round or the other; not counted on from `most`.
+    pub fn crossings_within(&self, sides: usize, reach: usize, most: usize) -> usize {
         let n = self.corners.len();
-        let side = |a: Point, b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        let end = |k: usize| (SIDES * (k + 1)).min(n);
         let mut count = 0;
-        for i in 0..sides {
-            let (a, b) = (self.corners[i], self.corners[(i + 1) % n]);
-            let mut j = i + 2;
-            while j < n {
-                let (c, d) = (self.corners[j], self.corners[(j + 1) % n]);
-                // Two sides that touch have their first corners within two sides.
-                let leap = self.leap(a.distance(c) - 2.0 * self.longest);
-                if 0 < leap {
-                    j += leap;
+        for (k, own) in self.circles.iter().enumerate().take(sides.div_ceil(SIDES)) {
+            for (l, other) in self.circles.iter().enumerate().skip(k) {
+                if !other.reaches(own.x, own.y, own.radius) {
                     continue;
                 }
-                let neighbours = i == 0 && j == n - 1;
-                if !neighbours && side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
-                    count += 1;
+                for i in SIDES * k..end(k).min(sides) {
+                    for j in (SIDES * l).max(i + 2)..end(l) {
+                        let apart = j - i;
+                        // The first side and the last are neighbours.
+                        if apart + 1 < n && (apart <= reach || n <= apart + reach) && self.cross(i, j) {
+                            count += 1;
+                            if most <= count {
+                                return count;
+                            }
+                        }
+                    }
                 }
-                j += 1;
             }
         }
         count
     }
 
-    /// How many sides from a corner on are too far, if that corner is too far by `excess` (m).
-    fn leap(&self, excess: f64) -> usize {
-        // A little less, so that rounding never leaps over a side that touches; a polygon that is one place has nothing to leap over.
-        let sides = excess / self.longest * (1.0 - 1e-9) - 1e-9;
-        if sides.is_finite() && 0.0 < sides { sides as usize } else { 0 }
+    /// Whether two sides cross.
+    fn cross(&self, i: usize, j: usize) -> bool {
+        let corner = |i: usize| self.corners[if i < self.corners.len() { i } else { 0 }];
+        let (a, b, c, d) = (corner(i), corner(i + 1), corner(j), corner(j + 1));
+        let side = |a: Point, b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
     }
+}
+
+/// Squared distance, m².
+fn square(a: Point, b: Point) -> f64 {
+    let (dx, dy) = (a.x - b.x, a.y - b.y);
+    dx * dx + dy * dy
 }
 
 #[cfg(test)]
@@ -130,8 +180,11 @@ mod tests {
                         least = (square, foot);
                     }
                 }
-                let found = polygon.nearest(point);
-                assert_eq!((found.square, found.foot), least, "{n} corners, point {k}");
+                // Whatever corner it is looked for from.
+                for found in [polygon.nearest(point), polygon.nearest_from(point, 0), polygon.nearest_from(point, 5 * k as usize % n)] {
+                    assert_eq!((found.square, found.foot), least, "{n} corners, point {k}");
+                    assert_eq!(found, polygon.nearest_from(point, found.corner));
+                }
             }
         }
     }
@@ -151,7 +204,11 @@ mod tests {
                     expected += usize::from(crosses);
                 }
             }
-            assert_eq!(Polygon::new(&corners).crossings_of(n), expected, "lean {lean}");
+            let polygon = Polygon::new(&corners);
+            assert_eq!(polygon.crossings_of(n), expected, "lean {lean}");
+            assert_eq!(polygon.crossings_within(n, n / 2, usize::MAX), expected);
+            assert_eq!(polygon.crossings_within(n, n, 3), expected.min(3));
+            assert_eq!(polygon.crossings_within(n, 1, usize::MAX), 0);
             seen += expected;
         }
         assert!(0 < seen);

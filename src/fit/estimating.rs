@@ -7,9 +7,10 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::foot_point::{Centred, follow};
+use super::foot_point::follow_all;
 use super::orthogonal::curve;
 use crate::experiment::Point;
+use crate::numerics::sine::sines_and_cosines;
 
 /// x0, y0 (m), phase (rad), p, q, s (m).
 pub type Unknowns = [f64; 6];
@@ -85,7 +86,6 @@ impl Root {
 /// The curve of `unknowns` with every foot followed from `feet`; `None` where something is not finite.
 pub fn linearize(points: &[Point], unknowns: &Unknowns, folds: u32, feet: &[f64]) -> Option<Linearized> {
     let (hem, placement) = curve(unknowns, folds);
-    let (sin_phase, cos_phase) = placement.phase.sin_cos();
     let n = points.len();
     let mut out = Linearized {
         feet: Vec::with_capacity(n),
@@ -93,14 +93,13 @@ pub fn linearize(points: &[Point], unknowns: &Unknowns, folds: u32, feet: &[f64]
         curvatures: Vec::with_capacity(n),
         rows: Vec::with_capacity(n),
     };
-    for (point, &t) in points.iter().zip(feet) {
-        let (dx, dy) = (point.x - placement.x0, point.y - placement.y0);
-        let foot = follow(&hem, Centred { x: dx * cos_phase + dy * sin_phase, y: dy * cos_phase - dx * sin_phase }, t);
+    let feet = follow_all(&hem, &placement, points, feet);
+    let turns = sines_and_cosines(feet.iter().map(|foot| foot.t + placement.phase));
+    for (foot, (sin, cos)) in feet.iter().zip(turns) {
         let local = &foot.local;
         let speed = local.speed();
         // Outward normal in the turning frame.
         let (nr, nt) = (local.velocity.1 / speed, -local.velocity.0 / speed);
-        let (sin, cos) = (foot.t + placement.phase).sin_cos();
         let row = [
             -(nr * cos - nt * sin),
             -(nr * sin + nt * cos),

@@ -13,7 +13,7 @@ use super::outcome::{Candidate, Estimate, HemFit, Termination};
 use super::outline::{Outline, fractions, smooth};
 use super::robust;
 use super::sampling::{POINTS_A_FOLD, most_folds, note, plainly_seen};
-use super::start::{Start, matched};
+use super::start::{Radii, Start};
 use super::swift::{self, Swift};
 use super::trial::{Reached, Trial, Work, agrees};
 use super::uncertainty::{Fitted, Known, correlation, uncertainty};
@@ -214,7 +214,8 @@ fn work_through(work: &Work, enough: usize, folds: std::ops::RangeInclusive<u32>
     let screening = Work::new(&fewer, places, work.outline, work.options).weighing(work.weights.iter().copied().step_by(stride.max(1)));
     let (hopeless, folds) = out_of_question(work.outline, folds);
     // The nearest match first: what it reaches tells which of the others can still compete.
-    let mut starts: Vec<Start> = folds.into_iter().map(|m| matched(work.outline, m)).collect();
+    let radii = Radii::of(work.outline);
+    let mut starts: Vec<Start> = folds.into_iter().map(|m| radii.matched(m)).collect();
     starts.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     let mut trials: Vec<Trial> = hopeless;
     let mut reached = Reached::nothing();

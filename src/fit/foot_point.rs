@@ -4,6 +4,9 @@ use std::f64::consts::TAU;
 
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Local, Placement};
+use crate::numerics::lanes::{Lanes, Vector, WIDTH};
+use crate::numerics::sine::sin_cos;
+use crate::vectorized;
 
 /// A measured point in the frame of the curve: centred, turned back by the phase.
 #[derive(Debug, Clone, Copy)]
@@ -93,6 +96,166 @@ pub fn follow(hem: &Hem, point: Centred, t: f64) -> Foot {
     foot
 }
 
+/// The foot of each of `points` (where they were measured), as [`follow`] finds it from the parameters `from`; eight at a time.
+pub fn follow_all(hem: &Hem, placement: &Placement, points: &[Point], from: &[f64]) -> Vec<Foot> {
+    let mut feet = Vec::with_capacity(points.len());
+    follow_eights(hem, placement, points, from, &mut feet);
+    feet
+}
+
+/// Eight feet.
+#[derive(Clone, Copy)]
+struct Feet<V> {
+    t: V,
+    position: [V; 2],
+    velocity: [V; 2],
+    acceleration: [V; 2],
+    cos_fold: V,
+    sin_lean: V,
+    offset: [V; 2],
+}
+
+impl<V: Vector> Feet<V> {
+    /// As [`Foot::at`].
+    #[inline(always)]
+    fn at(hem: &Hem, [x, y]: [V; 2], t: V) -> Self {
+        let m = f64::from(hem.folds);
+        let (sin_fold, cos_fold) = sin_cos(t * m);
+        let sin_lean = sin_fold * cos_fold * 2.0;
+        let cos_lean = V::all(1.0) - sin_fold * sin_fold * 2.0;
+        let (rho, tau) = (cos_fold * hem.q + hem.p, sin_lean * hem.s);
+        let (rho1, tau1) = (sin_fold * (-hem.q * m), cos_lean * (2.0 * m * hem.s));
+        let (rho2, tau2) = (cos_fold * (-hem.q * m * m), tau * (-4.0 * m * m));
+        let (sin, cos) = sin_cos(t);
+        Feet {
+            t,
+            position: [rho, tau],
+            velocity: [rho1 - tau, rho + tau1],
+            acceleration: [rho2 - tau1 * 2.0 - rho, tau2 + rho1 * 2.0 - tau],
+            cos_fold,
+            sin_lean,
+            offset: [x * cos + y * sin - rho, y * cos - x * sin - tau],
+        }
+    }
+
+    #[inline(always)]
+    fn square(&self) -> V {
+        self.offset[0] * self.offset[0] + self.offset[1] * self.offset[1]
+    }
+
+    /// Lane by lane `other` where `which` is 1, `self` where it is 0.
+    #[inline(always)]
+    fn replaced(&self, which: V, other: &Self) -> Self {
+        Feet {
+            t: either(which, other.t, self.t),
+            position: both(which, other.position, self.position),
+            velocity: both(which, other.velocity, self.velocity),
+            acceleration: both(which, other.acceleration, self.acceleration),
+            cos_fold: either(which, other.cos_fold, self.cos_fold),
+            sin_lean: either(which, other.sin_lean, self.sin_lean),
+            offset: both(which, other.offset, self.offset),
+        }
+    }
+
+    #[inline(always)]
+    fn write(&self, count: usize, feet: &mut Vec<Foot>) {
+        let (t, cos_fold, sin_lean) = (self.t.lanes().0, self.cos_fold.lanes().0, self.sin_lean.lanes().0);
+        let [[p0, p1], [v0, v1], [a0, a1], [o0, o1]] = [
+            [self.position[0].lanes().0, self.position[1].lanes().0],
+            [self.velocity[0].lanes().0, self.velocity[1].lanes().0],
+            [self.acceleration[0].lanes().0, self.acceleration[1].lanes().0],
+            [self.offset[0].lanes().0, self.offset[1].lanes().0],
+        ];
+        for i in 0..count {
+            let local = Local {
+                position: (p0[i], p1[i]),
+                velocity: (v0[i], v1[i]),
+                acceleration: (a0[i], a1[i]),
+                cos_fold: cos_fold[i],
+                sin_lean: sin_lean[i],
+            };
+            feet.push(Foot { t: t[i], local, offset: (o0[i], o1[i]) });
+        }
+    }
+}
+
+/// `new` in the lanes in which `which` is 1.
+#[inline(always)]
+fn either<V: Vector>(which: V, new: V, old: V) -> V {
+    V::choose(V::all(0.5), which, new, old)
+}
+
+#[inline(always)]
+fn both<V: Vector>(which: V, new: [V; 2], old: [V; 2]) -> [V; 2] {
+    [either(which, new[0], old[0]), either(which, new[1], old[1])]
+}
+
+/// 1 in the lanes in which `low` is less than `high` and `among` is 1.
+#[inline(always)]
+fn less<V: Vector>(low: V, high: V, among: V) -> V {
+    V::choose(low, high, among, V::zero())
+}
+
+#[inline(always)]
+fn any<V: Vector>(which: V) -> bool {
+    which.lanes().0.iter().any(|lane| *lane != 0.0)
+}
+
+vectorized! {
+    fn follow_eights<V>(hem: &Hem, placement: &Placement, points: &[Point], from: &[f64], feet: &mut Vec<Foot>) -> () {
+        let longest = TAU / (12.0 * f64::from(hem.folds.max(1)));
+        let (sin, cos) = placement.phase.sin_cos();
+        let size = 8.0 * f64::EPSILON * (hem.p + hem.q.abs() + hem.s.abs());
+        for (points, from) in points.chunks(WIDTH).zip(from.chunks(WIDTH)) {
+            // Lanes without a point follow the first.
+            let at = |lane: usize| if lane < points.len() { lane } else { 0 };
+            let dx = V::of(&Lanes(std::array::from_fn(|lane| points[at(lane)].x - placement.x0)));
+            let dy = V::of(&Lanes(std::array::from_fn(|lane| points[at(lane)].y - placement.y0)));
+            let point = [dx * cos + dy * sin, dy * cos - dx * sin];
+            let mut foot = Feet::at(hem, point, V::of(&Lanes(std::array::from_fn(|lane| from[at(lane)]))));
+            // 1 while a lane is on its way.
+            let mut moving = V::all(1.0);
+            for _ in 0..40 {
+                let ([ux, uy], [ax, ay], [ox, oy]) = (foot.velocity, foot.acceleration, foot.offset);
+                let slope = -(ox * ux + oy * uy);
+                let gauss = ux * ux + uy * uy;
+                let newton = gauss - (ox * ax + oy * ay);
+                let sound = less(gauss * 0.1, newton, V::all(1.0));
+                let curvature = V::choose(gauss * 0.1, newton, newton, gauss);
+                moving = less(V::zero(), curvature, less(slope.abs(), V::all(f64::INFINITY), moving));
+                let mut step = (-slope / curvature).within(longest);
+                let rounding_of_t = (foot.t.abs() + 1.0) * 1e-15;
+                moving = moving - less(step.abs(), rounding_of_t, moving);
+                if !any(moving) {
+                    break;
+                }
+                let square = foot.square();
+                let most = square + square.sqrt() * size;
+                let (mut pending, mut cut) = (moving, V::zero());
+                loop {
+                    let next = Feet::at(hem, point, foot.t + step);
+                    let nearer = V::choose(most, next.square(), V::zero(), less(next.square(), V::all(f64::INFINITY), pending));
+                    foot = foot.replaced(nearer, &next);
+                    pending = pending - nearer;
+                    if !any(pending) {
+                        break;
+                    }
+                    cut = cut.max(pending);
+                    step = V::choose(V::zero(), pending, step * 0.25, step);
+                    let given_up = less(step.abs(), rounding_of_t, pending);
+                    (pending, moving) = (pending - given_up, moving - given_up);
+                    if !any(pending) {
+                        break;
+                    }
+                }
+                let uncut = less(cut, V::all(0.5), moving);
+                moving = moving - less(step.abs(), V::all(1e-9), uncut * sound);
+            }
+            foot.write(points.len(), feet);
+        }
+    }
+}
+
 /// The nearest foot of `point` over the whole curve, by `samples` starts a fold.
 pub fn nearest(hem: &Hem, point: Centred, samples: usize) -> Foot {
     let count = samples * hem.folds.max(1) as usize;
@@ -101,13 +264,25 @@ pub fn nearest(hem: &Hem, point: Centred, samples: usize) -> Foot {
 
 /// The nearest foot among `count` starts spread evenly over `from..=to`.
 pub fn nearest_within(hem: &Hem, point: Centred, from: f64, to: f64, count: usize) -> Foot {
-    let step = (to - from) / (count.max(2) - 1) as f64;
-    let start = (0..count)
-        .map(|i| from + step * i as f64)
-        .map(|t| (Foot::at(hem, point, t).square(), t))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(from, |(_, t)| t);
-    follow(hem, point, start)
+    follow(hem, point, nearest_start(hem, &point, from, to, count))
+}
+
+vectorized! {
+    /// The nearest of `count` parameters spread evenly over `from..=to`; of several equally near ones the first.
+    fn nearest_start<V>(hem: &Hem, point: &Centred, from: f64, to: f64, count: usize) -> f64 {
+        let step = (to - from) / (count.max(2) - 1) as f64;
+        let mut best = (f64::INFINITY, from);
+        for first in (0..count).step_by(WIDTH) {
+            let t = V::of(&Lanes(std::array::from_fn(|lane| from + step * (first + lane) as f64)));
+            let squares = Feet::at(hem, [V::all(point.x), V::all(point.y)], t).square().lanes();
+            for (lane, square) in squares.0.iter().enumerate().take(count - first) {
+                if *square < best.0 {
+                    best = (*square, from + step * (first + lane) as f64);
+                }
+            }
+        }
+        best.1
+    }
 }
 
 #[cfg(test)]
@@ -128,6 +303,24 @@ mod tests {
             // t is held to 1e-15 (1 + t), at most 8e-15; times speed squared, at most 0.2 m².
             assert!(along.abs() < 2e-15, "{along}");
             assert!((foot.square().sqrt() - foot.distance().abs()).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn eight_at_a_time_are_followed_to_the_same_feet_as_one_at_a_time() {
+        let placement = Placement { x0: 0.02, y0: -0.01, phase: 0.3 };
+        // Near and far, inside bends too: steps are cut short, and curvatures are negative; not a multiple of eight.
+        let points: Vec<Point> = (0..203).map(|i| 0.37 * f64::from(i)).map(|a| Point::new(0.2 * a.cos(), 0.14 * (1.3 * a).sin())).collect();
+        let from: Vec<f64> = (0..203).map(|i| 0.31 * f64::from(i)).collect();
+        let feet = follow_all(&HEM, &placement, &points, &from);
+        assert_eq!(feet.len(), points.len());
+        for (i, foot) in feet.iter().enumerate() {
+            let alone = follow(&HEM, centred(points[i], &placement), from[i]);
+            // Newton's last step is below 1e-9, and what it leaves is rounding.
+            assert!((foot.t - alone.t).abs() < 1e-12, "{i}: {} {}", foot.t, alone.t);
+            assert!(
+                (foot.distance() - alone.distance()).abs() < 1e-15 && (foot.local.curvature() / alone.local.curvature() - 1.0).abs() < 1e-9
+            );
         }
     }
 

@@ -81,8 +81,7 @@ pub fn free_outline(points: &[Point], outline: &Outline, holds: usize, left: f64
     let highest = enough.max(FEWEST_HARMONICS).min(most);
     let (start, turn) = start(outline, highest);
     let (places, _) = fractions(points);
-    let nodes = start.curve.nodes();
-    let feet: Vec<f64> = points.iter().zip(&places).map(|(p, f)| start.nearest(&nodes, *p, TAU * f + turn, WINDOW)).collect();
+    let feet = start.nearest(points, places.iter().map(|f| TAU * f + turn), WINDOW);
     // Only the linear model about it is wanted, and the last digits of the minimum do not move that.
     let rough = least_squares::Options { gradient_tolerance: 1e-2, evaluation_limit: 30, ..least_squares::Options::default() };
     let wide = fit(points, &Family::Free, start, feet, &rough)?;
@@ -194,7 +193,7 @@ impl<'a> Orders<'a> {
             let normal = at.first * C::new(0.0, -1.0) / at.first.norm();
             let along = |v: C| normal.re * v.re + normal.im * v.im;
             (rows[(i, 0)], rows[(i, 1)], rows[(i, 2)]) = (normal.re, normal.im, along(at.position));
-            sensitivities.at(sigma, |column, moved, _| rows[(i, place(column))] = wide.placed.radius * along(moved));
+            sensitivities.along(sigma, normal, |column, moved| rows[(i, place(column))] = wide.placed.radius * moved);
         }
         let heavy = 1e4 * wide.placed.radius * (n as f64).sqrt();
         for (column, gap) in curve.gap_gradient().into_iter().enumerate() {

@@ -5,12 +5,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::foot_point::{Foot, centred, follow, nearest_within};
+use super::foot_point::{Foot, centred, follow_all, nearest_within};
 use super::limits::Limits;
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
 use crate::numerics::least_squares::{self, Limit, Loss, Options, Problem, Robust, State, Summary};
+use crate::numerics::sine::sines_and_cosines;
 
 /// Names of the unknowns, in order.
 pub const UNKNOWNS: [&str; 6] = ["x0", "y0", "phase", "p", "q", "s"];
@@ -156,7 +157,7 @@ fn begin<'a>(
     let problem = Orthogonal {
         points,
         folds: hem.folds,
-        trial: vec![None; points.len()],
+        trial: Vec::new(),
         feet,
         length: conditions.length,
         longest: 1.6 * conditions.outline_length,
@@ -187,8 +188,8 @@ fn rough_perimeter(hem: &Hem) -> f64 {
 struct Orthogonal<'a> {
     points: &'a [Point],
     folds: u32,
-    /// Feet at the last evaluated unknowns.
-    trial: Vec<Option<Foot>>,
+    /// Feet at the last evaluated unknowns; none before the first.
+    trial: Vec<Foot>,
     /// Feet at the current iterate: where the next search begins.
     feet: Vec<f64>,
     length: Option<f64>,
@@ -232,10 +233,9 @@ impl Problem for Orthogonal<'_> {
     fn residuals(&mut self, unknowns: &[f64], residuals: &mut [f64]) -> bool {
         let (hem, placement) = curve(unknowns, self.folds);
         self.iterate = (hem, placement);
-        for (i, (point, residual)) in self.points.iter().zip(residuals).enumerate() {
-            let foot = follow(&hem, centred(*point, &placement), self.feet[i]);
+        self.trial = follow_all(&hem, &placement, self.points, &self.feet);
+        for (i, (foot, residual)) in self.trial.iter().zip(residuals).enumerate() {
             *residual = foot.distance();
-            self.trial[i] = Some(foot);
             if !residual.is_finite() {
                 return false;
             }
@@ -248,13 +248,15 @@ impl Problem for Orthogonal<'_> {
 
     fn jacobian(&mut self, unknowns: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
         let phase = unknowns[2];
-        for (i, foot) in self.trial.iter().enumerate() {
-            let Some(foot) = foot else { return false };
+        if self.trial.is_empty() {
+            return false;
+        }
+        let turns = sines_and_cosines(self.trial.iter().map(|foot| foot.t + phase));
+        for (i, (foot, (sin, cos))) in self.trial.iter().zip(turns).enumerate() {
             let local = &foot.local;
             let speed = local.speed();
             // Outward normal in the turning frame.
             let (nr, nt) = (local.velocity.1 / speed, -local.velocity.0 / speed);
-            let (sin, cos) = (foot.t + phase).sin_cos();
             jacobian[(i, 0)] = -(nr * cos - nt * sin);
             jacobian[(i, 1)] = -(nr * sin + nt * cos);
             jacobian[(i, 2)] = nr * local.position.1 - nt * local.position.0;
@@ -270,9 +272,7 @@ impl Problem for Orthogonal<'_> {
 
     fn accept(&mut self) -> bool {
         for (foot, trial) in self.feet.iter_mut().zip(&self.trial) {
-            if let Some(trial) = trial {
-                *foot = trial.t;
-            }
+            *foot = trial.t;
         }
         self.length.is_some() || rough_perimeter(&self.iterate.0) < self.longest
     }

@@ -3,20 +3,17 @@
 //!
 //! Noise lengthens a polygon (it zigzags), so length, self-crossings and starting values are taken from this smooth curve instead.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use super::akaike;
+use super::crossings::crossings;
 use super::even::{self, even_folds};
-use crate::experiment::polygon::Polygon;
+use super::series::{Series, order_by_evidence};
 use crate::experiment::{DrapeProfile, Point};
-use crate::model::hem::{Hem, Placement};
 
 /// Samples of the polygon, and of the smooth curve: 1024 resolve 60 folds with 17 samples each.
 const SAMPLES: usize = 1024;
 /// Highest order tried: deep folds need about eight harmonics, 24 of them 192.
 const HIGHEST_ORDER: usize = 192;
-/// Orders tried in vain before giving up: the next harmonic of up to 60 folds lies within them.
-const PATIENCE: usize = 61;
 /// Noise above this share of the point spacing disturbs the polygon's own length as a parameter; the points are then parametrized anew by
 /// their place along the smooth curve.
 const DISTURBING_NOISE: f64 = 0.25;
@@ -183,26 +180,6 @@ pub fn centroid(samples: &[Point]) -> (f64, f64) {
     (samples.iter().map(|p| p.x).sum::<f64>() / n, samples.iter().map(|p| p.y).sum::<f64>() / n)
 }
 
-/// How often a closed polygon crosses itself.
-pub fn crossings(points: &[Point]) -> usize {
-    Polygon::new(points).crossings_of(points.len())
-}
-
-/// How often the hem curve crosses itself; an upper bound, because a crossing of two folds is counted from both.
-pub fn hem_crossings(hem: &Hem) -> usize {
-    // One radius for each polar angle: nothing to cross.
-    if hem.q.abs() < hem.p && !hem.overhangs() {
-        return 0;
-    }
-    // A crossing smaller than a hundredth of a fold is not seen.
-    const NODES: usize = 128;
-    let folds = hem.folds.max(1) as usize;
-    // All folds are alike: the sides of one are held against all. A hem of few folds gets the nodes of six.
-    let nodes = NODES * 6_usize.div_ceil(folds);
-    let points = hem.outline(&Placement::ORIGIN, nodes * folds);
-    Polygon::new(&points).crossings_of(nodes) * folds
-}
-
 /// A closed polygon at [`SAMPLES`] equal steps of `fraction`, which ascends from 0 and stays below 1.
 fn resample(points: &[Point], fraction: &[f64]) -> Vec<Point> {
     let n = points.len();
@@ -227,91 +204,10 @@ fn effective_spacing(fraction: &[f64]) -> f64 {
     (0..n).map(|i| (if i + 1 < n { fraction[i + 1] } else { 1.0 } - fraction[i]).powi(3)).sum::<f64>().sqrt()
 }
 
-/// Complex Fourier coefficients of a closed curve: `z(f) = Σ c_k e^{2πi k f}`, |k| ≤ order.
-struct Series {
-    /// c_0, then (c_k, c_−k) for k = 1, 2, …; each (re, im).
-    centre: (f64, f64),
-    pairs: Vec<[(f64, f64); 2]>,
-}
-
-impl Series {
-    /// The series of a polygon whose corners are `spacing` apart (as a fraction of the whole).
-    ///
-    /// Straight sides flatten the harmonic k by sinc²(k·spacing); that is undone.
-    fn of(samples: &[Point], order: usize, spacing: f64) -> Series {
-        let n = samples.len();
-        let table: Vec<(f64, f64)> = (0..n).map(|j| (TAU * j as f64 / n as f64).sin_cos()).collect();
-        let coefficient = |k: usize, sign: f64| {
-            let (mut re, mut im) = (0.0, 0.0);
-            for (j, p) in samples.iter().enumerate() {
-                let (sin, cos) = table[j * k % n];
-                let sin = sign * sin;
-                re += p.x * cos + p.y * sin;
-                im += p.y * cos - p.x * sin;
-            }
-            let angle = PI * k as f64 * spacing;
-            let flattened = if angle < 1e-6 { 1.0 } else { (angle.sin() / angle).powi(2) };
-            let weight = 1.0 / (n as f64 * flattened.max(0.5));
-            (re * weight, im * weight)
-        };
-        Series { centre: coefficient(0, 1.0), pairs: (1..=order).map(|k| [coefficient(k, 1.0), coefficient(k, -1.0)]).collect() }
-    }
-
-    /// `n` points at equal steps of the parameter.
-    fn samples(&self, n: usize, order: usize) -> Vec<Point> {
-        let table: Vec<(f64, f64)> = (0..n).map(|j| (TAU * j as f64 / n as f64).sin_cos()).collect();
-        let mut points = vec![Point::new(self.centre.0, self.centre.1); n];
-        for (k, pair) in (1..=order).zip(&self.pairs) {
-            for (j, point) in points.iter_mut().enumerate() {
-                let (dx, dy) = contribution(pair, table[j * k % n]);
-                point.x += dx;
-                point.y += dy;
-            }
-        }
-        points
-    }
-}
-
-/// What the harmonics ±k add where k times the angle has this (sine, cosine).
-fn contribution([(a, b), (c, d)]: &[(f64, f64); 2], (sin, cos): (f64, f64)) -> (f64, f64) {
-    ((a + c) * cos + (d - b) * sin, (b + d) * cos + (a - c) * sin)
-}
-
-/// The order of least AICc, the root mean square distance that it leaves in each coordinate, and the criterion.
-fn order_by_evidence(series: &Series, points: &[Point], fraction: &[f64]) -> (usize, f64, f64) {
-    let values = 2.0 * points.len() as f64;
-    let mut left: Vec<(f64, f64)> = points.iter().map(|p| (p.x - series.centre.0, p.y - series.centre.1)).collect();
-    // (sin, cos) of the angle itself and of k times it, the latter carried along by the addition theorem.
-    let unit: Vec<(f64, f64)> = fraction.iter().map(|f| (TAU * f).sin_cos()).collect();
-    let mut turned = vec![(0.0, 1.0); points.len()];
-    let mut best = (f64::INFINITY, 1, 0.0);
-    for (k, pair) in (1..).zip(&series.pairs) {
-        if best.1 + PATIENCE < k {
-            break;
-        }
-        let mut square = 0.0;
-        for (((x, y), turned), unit) in left.iter_mut().zip(&mut turned).zip(&unit) {
-            *turned = (turned.0 * unit.1 + turned.1 * unit.0, turned.1 * unit.1 - turned.0 * unit.0);
-            let (dx, dy) = contribution(pair, *turned);
-            *x -= dx;
-            *y -= dy;
-            square += *x * *x + *y * *y;
-        }
-        let parameters = 2.0 * (2.0 * k as f64 + 1.0) + 1.0;
-        let criterion = akaike(square / values, values, parameters);
-        if criterion == f64::INFINITY {
-            break;
-        }
-        if criterion < best.0 {
-            best = (criterion, k, (square / values).sqrt());
-        }
-    }
-    (best.1, best.2, best.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::hem::{Hem, Placement};
 
     const HEM: Hem = Hem { p: 0.1315, q: 0.0527, s: 0.00873, folds: 5 };
 
@@ -335,12 +231,5 @@ mod tests {
         }
         let outline = smooth(&DrapeProfile::new(&points).unwrap());
         assert!((outline.length / HEM.perimeter() - 1.0).abs() < 0.01, "{} {}", outline.length, HEM.perimeter());
-    }
-
-    #[test]
-    fn a_figure_of_eight_crosses_itself_once() {
-        let points: Vec<Point> =
-            (0..200).map(|i| f64::from(i) * TAU / 200.0 + 0.01).map(|t| Point::new(t.cos(), (2.0 * t).sin())).collect();
-        assert_eq!(crossings(&points), 1);
     }
 }

@@ -4,8 +4,12 @@
 //! criterion is wrong there, not the solver, so every fit is held against what is known about an outline: its points come in order, cloth
 //! does not stretch, the hem does not pass through itself, and a curve is near the outline only if the outline is near the curve.
 
+use std::f64::consts::TAU;
+
+use super::crossings::crosses_more_than;
+use super::eight_places::points_at;
 use super::outcome::Rule;
-use super::outline::{MISSING, Outline, hem_crossings};
+use super::outline::{MISSING, Outline};
 use super::start::LengthTable;
 use crate::experiment::Point;
 use crate::experiment::polygon::Polygon;
@@ -64,10 +68,11 @@ pub fn broken(hem: &Hem, placement: &Placement, evidence: &Evidence) -> Option<R
     if out_of_order(hem, evidence, perimeter) {
         return Some(Rule::Order);
     }
-    let curve = hem.outline(placement, 48 * hem.folds.max(6) as usize);
-    if evidence.outline.crossings < hem_crossings(hem) {
+    if crosses_more_than(hem, evidence.outline.crossings) {
         return Some(Rule::Simplicity);
     }
+    let around = 48 * hem.folds.max(6) as usize;
+    let curve = points_at(hem, placement, (0..around).map(|i| TAU * i as f64 / around as f64));
     let (smooth, points) = (Polygon::new(&evidence.outline.samples), Polygon::new(evidence.points));
     if curve.iter().any(|&p| evidence.strays(p, &smooth, &points)) {
         return Some(Rule::Nearness);

@@ -4,8 +4,9 @@
 
 use std::f64::consts::TAU;
 
+use super::crossings::crossings;
 use super::outcome::Rule;
-use super::outline::{Outline, crossings};
+use super::outline::Outline;
 use super::rules::LENGTH_SLACK;
 use super::tangent_fit::Placed;
 use crate::experiment::Point;

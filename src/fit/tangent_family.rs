@@ -10,7 +10,7 @@ use super::aicc;
 use super::outcome::{Estimate, HemFit, Termination};
 use super::outline::{Outline, fractions};
 use super::sane_curve;
-use super::start::{LengthTable, matched};
+use super::start::{LengthTable, Radii};
 use super::tangent_curve::TangentCurve;
 use super::tangent_fit::{Family, Fitted, Placed, fit};
 use crate::error::Error;
@@ -67,9 +67,10 @@ pub fn tangent_family(points: &[Point], outline: &Outline, paper: &HemFit, feet:
     let own: Vec<f64> = feet.iter().map(|&t| TAU * table.fraction(t)).collect();
     let mut best = ladder(points, outline, &paper.hem, paper.placement, &own, held);
     let (places, _) = fractions(points);
-    let reference = matched(outline, folds).rms;
+    let radii = Radii::of(outline);
+    let reference = radii.matched(folds).rms;
     for neighbour in [folds - 1, folds + 1].into_iter().filter(|m| 2 <= *m && 8 * *m as usize <= points.len()) {
-        let start = matched(outline, neighbour);
+        let start = radii.matched(neighbour);
         if CONTENDER * reference < start.rms {
             continue;
         }
@@ -179,8 +180,8 @@ pub(super) fn sines_of(hem: &Hem, harmonics: usize) -> Vec<f64> {
         })
         .collect();
     let coefficient = |k: usize| {
-        let term = |j: usize| psi[j] * (k as f64 * x[j]).sin();
-        (1..=NODES).map(|j| 0.5 * (term(j - 1) + term(j)) * (x[j] - x[j - 1])).sum::<f64>() / PI
+        let terms: Vec<f64> = psi.iter().zip(&x).map(|(psi, x)| psi * (k as f64 * x).sin()).collect();
+        (1..=NODES).map(|j| 0.5 * (terms[j - 1] + terms[j]) * (x[j] - x[j - 1])).sum::<f64>() / PI
     };
     (1..=harmonics).map(coefficient).collect()
 }

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::tangent_curve::{C, TangentCurve};
+use super::tangent_curve::{C, Foot, TangentCurve};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::numerics::least_squares::{self, Options, Problem, Summary};
@@ -50,51 +50,31 @@ impl Placed {
         (0..n).map(|i| self.point(TAU * i as f64 / n as f64)).collect()
     }
 
-    /// A measured point in the frame of the curve, unit radius.
-    fn own(&self, point: Point) -> C {
-        C::new(point.x - self.centre.x, point.y - self.centre.y) * C::from_polar(1.0 / self.radius, -self.phase)
+    /// Measured points in the frame of the curve, unit radius.
+    fn own(&self, points: &[Point]) -> Vec<C> {
+        let turn = C::from_polar(1.0 / self.radius, -self.phase);
+        points.iter().map(|point| C::new(point.x - self.centre.x, point.y - self.centre.y) * turn).collect()
     }
 
-    /// The foot of `point` near `sigma`, and its signed distance, m, positive outside.
-    pub fn foot(&self, point: Point, sigma: f64) -> (f64, f64) {
-        let own = self.own(point);
-        let foot = follow(&self.curve, own, sigma);
-        (foot, self.radius * outside(&self.curve, own, foot))
+    /// The foot of each of `points` near the σ of `from`, in the frame of the curve, unit radius.
+    pub fn follow(&self, points: &[Point], from: &[f64]) -> Vec<Foot> {
+        self.curve.follow(&self.own(points), from)
     }
 
-    /// The foot of `point` nearest within `window` of `sigma` either way.
-    pub fn nearest(&self, nodes: &[(f64, C)], point: Point, sigma: f64, window: f64) -> f64 {
-        let (own, n) = (self.own(point), nodes.len() as i64);
-        let (middle, half) = ((sigma / TAU * n as f64).round() as i64, ((window / TAU * n as f64) as i64).clamp(1, n / 2));
-        let square = |j: &i64| (nodes[j.rem_euclid(n) as usize].1 - own).norm_sqr();
-        let best = (middle - half..=middle + half).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(middle);
-        self.foot(point, TAU * best as f64 / n as f64).0
+    /// The feet of `points` that are nearest within `window` of `sigmas` either way.
+    pub fn nearest(&self, points: &[Point], sigmas: impl Iterator<Item = f64>, window: f64) -> Vec<f64> {
+        let (nodes, own) = (self.curve.nodes(), self.own(points));
+        let n = nodes.len() as i64;
+        let half = ((window / TAU * n as f64) as i64).clamp(1, n / 2);
+        let near = |(own, sigma): (&C, f64)| {
+            let middle = (sigma / TAU * n as f64).round() as i64;
+            let square = |j: &i64| (nodes[j.rem_euclid(n) as usize].1 - own).norm_sqr();
+            let best = (middle - half..=middle + half).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(middle);
+            TAU * best as f64 / n as f64
+        };
+        let from: Vec<f64> = own.iter().zip(sigmas).map(near).collect();
+        self.curve.follow(&own, &from).iter().map(|foot| foot.sigma).collect()
     }
-}
-
-/// Follows the foot of `own` from σ downhill: Newton, with the Gauss–Newton curvature where the true one is small.
-fn follow(curve: &TangentCurve, own: C, mut sigma: f64) -> f64 {
-    let top = curve.symmetry() as usize * curve.sines().len().clamp(1, 16);
-    let longest = TAU / (6.0 * top as f64);
-    for _ in 0..30 {
-        let place = curve.at(sigma);
-        let away = own - place.position;
-        let slope = away.re * place.first.re + away.im * place.first.im;
-        let newton = 1.0 - (away.re * place.second.re + away.im * place.second.im);
-        let step = (slope / newton.max(0.2)).clamp(-longest, longest);
-        sigma += step;
-        // Newton converges quadratically: what is left after such a step is rounding.
-        if step.abs() < 1e-9 {
-            break;
-        }
-    }
-    sigma
-}
-
-fn outside(curve: &TangentCurve, own: C, sigma: f64) -> f64 {
-    let place = curve.at(sigma);
-    let (away, tangent) = (own - place.position, place.first);
-    (away.re * tangent.im - away.im * tangent.re) / tangent.norm()
 }
 
 /// A fitted curve.
@@ -139,9 +119,16 @@ pub fn fit(points: &[Point], family: &Family, start: Placed, feet: Vec<f64>, opt
     }
     let size = points.iter().map(|p| p.x.abs().max(p.y.abs())).fold(start.radius, f64::max);
     let options = &Options { residual_rounding: 4.0 * f64::EPSILON * size, ..*options };
-    let trial = feet.clone();
-    let mut problem =
-        Tangent { points, family: family.clone(), closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start };
+    let mut problem = Tangent {
+        points,
+        family: family.clone(),
+        closing,
+        lambda: [0.0; 2],
+        trial_lambda: [0.0; 2],
+        feet,
+        trial: Vec::new(),
+        placed: start,
+    };
     let summary = least_squares::solve(&mut problem, &unknowns, options)?;
     if let Some(placed) = problem.at(&summary.parameters) {
         problem.placed = placed;
@@ -157,7 +144,8 @@ struct Tangent<'a> {
     lambda: [f64; 2],
     trial_lambda: [f64; 2],
     feet: Vec<f64>,
-    trial: Vec<f64>,
+    /// Feet on the curve last evaluated; none before the first.
+    trial: Vec<Foot>,
     /// The curve last evaluated.
     placed: Placed,
 }
@@ -166,17 +154,17 @@ impl Tangent<'_> {
     fn at(&mut self, unknowns: &[f64]) -> Option<Placed> {
         let centre = Point::new(unknowns[0], unknowns[1]);
         match &self.family {
-            Family::EqualFolds { folds, radius } => {
+            Family::EqualFolds { radius, .. } => {
                 let (radius, sines) = match radius {
                     Some(radius) => (*radius, &unknowns[3..]),
                     None => (unknowns[3], &unknowns[4..]),
                 };
-                let curve = TangentCurve::new(*folds, &vec![0.0; sines.len()], sines);
+                let curve = self.placed.curve.with(&vec![0.0; sines.len()], sines);
                 Some(Placed { curve, centre, phase: unknowns[2], radius })
             }
             Family::Free => {
                 let closing = self.closing.as_ref().expect("a free curve is closed");
-                let (curve, lambda) = closing.closed(&unknowns[3..], self.lambda)?;
+                let (curve, lambda) = closing.closed(&self.placed.curve, &unknowns[3..], self.lambda)?;
                 self.trial_lambda = lambda;
                 Some(Placed { curve, centre, phase: 0.0, radius: unknowns[2] })
             }
@@ -195,8 +183,9 @@ impl Problem for Tangent<'_> {
             return false;
         }
         let Some(placed) = self.at(unknowns).filter(|p| 0.0 < p.radius) else { return false };
-        for (i, (point, residual)) in self.points.iter().zip(residuals).enumerate() {
-            (self.trial[i], *residual) = placed.foot(*point, self.feet[i]);
+        self.trial = placed.follow(self.points, &self.feet);
+        for (residual, foot) in residuals.iter_mut().zip(&self.trial) {
+            *residual = placed.radius * foot.distance;
         }
         self.placed = placed;
         true
@@ -207,24 +196,22 @@ impl Problem for Tangent<'_> {
         let sensitivities = curve.sensitivities();
         let turn = C::from_polar(1.0, *phase);
         let mut raw = DMatrix::zeros(self.points.len(), sensitivities.count());
-        for (i, &sigma) in self.trial.iter().enumerate() {
-            let place = curve.at(sigma);
-            // Outward normal in the curve's frame, and in the measurement's.
-            let normal = place.first * C::new(0.0, -1.0) / place.first.norm();
+        for (i, &Foot { sigma, position, normal, .. }) in self.trial.iter().enumerate() {
+            // The outward normal in the measurement's frame.
             let world = turn * normal;
             let along = |v: C| normal.re * v.re + normal.im * v.im;
             (jacobian[(i, 0)], jacobian[(i, 1)]) = (-world.re, -world.im);
-            let by_radius = -along(place.position);
+            let by_radius = -along(position);
             match &self.family {
                 Family::EqualFolds { radius: held, .. } => {
-                    jacobian[(i, 2)] = -radius * along(C::new(0.0, 1.0) * place.position);
+                    jacobian[(i, 2)] = -radius * along(C::new(0.0, 1.0) * position);
                     if held.is_none() {
                         jacobian[(i, 3)] = by_radius;
                     }
                 }
                 Family::Free => jacobian[(i, 2)] = by_radius,
             }
-            sensitivities.at(sigma, |column, moved, _| raw[(i, column)] = -radius * along(moved));
+            sensitivities.along(sigma, normal, |column, moved| raw[(i, column)] = -radius * moved);
         }
         match &self.closing {
             None => {
@@ -237,7 +224,7 @@ impl Problem for Tangent<'_> {
     }
 
     fn accept(&mut self) -> bool {
-        self.feet.clone_from(&self.trial);
+        self.feet = self.trial.iter().map(|foot| foot.sigma).collect();
         self.lambda = self.trial_lambda;
         true
     }
@@ -284,12 +271,12 @@ impl Closing {
         self.origin.iter().zip(v.iter()).map(|(o, v)| o + v).collect()
     }
 
-    /// The closed curve of these free coordinates, and what closed it.
-    fn closed(&self, free: &[f64], mut lambda: [f64; 2]) -> Option<(TangentCurve, [f64; 2])> {
+    /// The closed curve of these free coordinates, and what closed it; `like` is any of as many coefficients.
+    fn closed(&self, like: &TangentCurve, free: &[f64], mut lambda: [f64; 2]) -> Option<(TangentCurve, [f64; 2])> {
         let orders = self.origin.len() / 2;
         for _ in 0..CLOSING_STEPS {
             let coefficients = self.coefficients(lambda, free);
-            let curve = TangentCurve::new(1, &coefficients[..orders], &coefficients[orders..]);
+            let curve = like.with(&coefficients[..orders], &coefficients[orders..]);
             let gap = curve.gap();
             if gap.norm() < 1e-14 {
                 return Some((curve, lambda));
@@ -358,8 +345,7 @@ mod tests {
     fn problem(points: &[Point], family: Family, start: Placed) -> Tangent<'_> {
         let closing = (family == Family::Free).then(|| Closing::of(&start.curve).expect("it closes"));
         let feet: Vec<f64> = (0..points.len()).map(|i| TAU * i as f64 / points.len() as f64).collect();
-        let trial = feet.clone();
-        Tangent { points, family, closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial, placed: start }
+        Tangent { points, family, closing, lambda: [0.0; 2], trial_lambda: [0.0; 2], feet, trial: Vec::new(), placed: start }
     }
 
     fn agrees(family: Family, start: Placed, unknowns: &[f64]) {
@@ -404,7 +390,7 @@ mod tests {
         // It does not close as it stands: what closes it is found first, and stays so along every column.
         let start = Placed { curve, centre: Point::new(0.02, -0.01), phase: 0.0, radius: 0.2 };
         let closing = Closing::of(&start.curve).expect("it closes");
-        let (closed, _) = closing.closed(&[0.0; 6], [0.0; 2]).expect("it closes");
+        let (closed, _) = closing.closed(&start.curve, &[0.0; 6], [0.0; 2]).expect("it closes");
         assert!(closed.gap().norm() < 1e-14);
         let start = Placed { curve: closed, ..start };
         agrees(Family::Free, start, &[0.02, -0.01, 0.2, 0.01, -0.02, 0.0, 0.015, 0.0, 0.01]);

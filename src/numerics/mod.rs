@@ -9,3 +9,4 @@ pub mod least_squares;
 pub mod minimize;
 pub mod pivoted_qr;
 pub mod quadrature;
+pub mod sine;

@@ -11,6 +11,7 @@ use super::identify::{Identified, identify_all};
 use super::intervals::{self, intervals};
 use super::irregular::{Irregular, irregular};
 use super::response;
+use crate::error::Error;
 use crate::experiment::campaign::Response;
 use crate::experiment::profile::signed_area;
 use crate::experiment::{Apparatus, Campaign, DrapeProfile, Point, Quarantined, Run, Scene, Skirt, Source};
@@ -21,6 +22,7 @@ use crate::simulate::{self, Prediction};
 use crate::statistics::box_wilson::{self, Analysis};
 use crate::statistics::factorial::{Axis, FactorialDesign};
 use crate::statistics::family;
+use crate::statistics::permutation::{self, PermutationTest};
 use crate::units::MILLIMETRE;
 
 /// Everything known about one run.
@@ -249,8 +251,19 @@ fn regress(campaign: &Campaign, design: &Result<FactorialDesign, String>, runs: 
     let options = box_wilson::Options { alpha: campaign.alpha };
     let predicted: Vec<Option<RunStudy>> = runs.par_iter().map(|run| as_measured(campaign, run)).collect();
     let responses: Vec<Response> = campaign.responses.iter().filter_map(|name| response::named(name, weighed)).collect();
-    let mut studies: Vec<Regression> =
-        responses.into_par_iter().map(|response| regression(&response, design, runs, &predicted, &options)).collect();
+    let series: Vec<Series> = responses.iter().map(|response| series(response, runs, &predicted)).collect();
+    let permutation = match design {
+        Ok(design) => {
+            let measured: Vec<&[Option<f64>]> = series.iter().map(|series| series.measured.as_slice()).collect();
+            permutation::tests_of_all(design, &measured, &permutation::Options::default())
+        }
+        Err(reason) => responses.iter().map(|_| Err(Error::Unanswerable(reason.clone()))).collect(),
+    };
+    let asked: Vec<_> = responses.iter().zip(series).zip(permutation).collect();
+    let mut studies: Vec<Regression> = asked
+        .into_par_iter()
+        .map(|((response, series), permutation)| regression(response, design, series, permutation, &options))
+        .collect();
     let mut analyses: Vec<Analysis> = studies.iter().filter_map(|s| s.analysis.as_ref().ok().cloned()).collect();
     family::adjust(&mut analyses);
     let mut adjusted = analyses.into_iter();
@@ -262,19 +275,21 @@ fn regress(campaign: &Campaign, design: &Result<FactorialDesign, String>, runs: 
     studies
 }
 
+fn series(response: &Response, runs: &[RunStudy], predicted: &[Option<RunStudy>]) -> Series {
+    Series {
+        standard_errors: runs.iter().map(|run| response::standard_error(response, run)).collect(),
+        predicted: response::predicted(response, runs, predicted),
+        measured: runs.iter().map(|run| response::value(response, run)).collect(),
+    }
+}
+
 fn regression(
     response: &Response,
     design: &Result<FactorialDesign, String>,
-    runs: &[RunStudy],
-    predicted: &[Option<RunStudy>],
+    series: Series,
+    permutation: Result<Vec<PermutationTest>, Error>,
     options: &box_wilson::Options,
 ) -> Regression {
-    let measured: Vec<Option<f64>> = runs.iter().map(|run| response::value(response, run)).collect();
-    let series = Series {
-        standard_errors: runs.iter().map(|run| response::standard_error(response, run)).collect(),
-        predicted: response::predicted(response, runs, predicted),
-        measured,
-    };
     let analysis = match design {
         Ok(design) if series.measured.iter().any(Option::is_some) => {
             box_wilson::analyse(design, &series.measured, options).map_err(|e| e.to_string())
@@ -283,7 +298,9 @@ fn regression(
         Err(reason) => Err(reason.clone()),
     };
     let further = match (design, &analysis) {
-        (Ok(design), Ok(analysis)) => further::further(design, &series, analysis, options).map_err(|e| e.to_string()),
+        (Ok(design), Ok(analysis)) => {
+            permutation.and_then(|permutation| further::further(design, &series, analysis, permutation, options)).map_err(|e| e.to_string())
+        }
         (_, Err(reason)) | (Err(reason), _) => Err(reason.clone()),
     };
     Regression { response: response.column.to_string(), values: series.measured, analysis, further }

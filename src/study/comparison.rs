@@ -47,7 +47,7 @@ fn equal_area_radius(area: f64) -> f64 {
 
 /// The shift and turn of `hem` that bring it nearest to `points`, from `start`; and the root mean square distance there.
 fn lay_over(points: &[Point], hem: &[Point], start: &Placement) -> (Placement, f64) {
-    let mut problem = Overlay { points, hem: Polygon::new(hem), rows: vec![[0.0; 3]; points.len()] };
+    let mut problem = Overlay { points, hem: Polygon::new(hem), near: vec![None; points.len()], rows: vec![[0.0; 3]; points.len()] };
     let options = least_squares::Options { gradient_tolerance: 1e-6, step_tolerance: 1e-8, evaluation_limit: 60, ..Default::default() };
     let summary =
         least_squares::solve(&mut problem, &[start.x0, start.y0, start.phase], &options).expect("a profile has more points than three");
@@ -59,6 +59,8 @@ fn lay_over(points: &[Point], hem: &[Point], start: &Placement) -> (Placement, f
 struct Overlay<'a> {
     points: &'a [Point],
     hem: Polygon<'a>,
+    /// The corner of the hem to which each point was nearest last.
+    near: Vec<Option<usize>>,
     rows: Vec<[f64; 3]>,
 }
 
@@ -73,7 +75,12 @@ impl Problem for Overlay<'_> {
             let (dx, dy) = (point.x - unknowns[0], point.y - unknowns[1]);
             // The point in the frame of the hem.
             let (x, y) = (dx * cos + dy * sin, dy * cos - dx * sin);
-            let (foot, normal) = foot_and_normal(&self.hem, Point::new(x, y));
+            let nearest = match self.near[i] {
+                Some(corner) => self.hem.nearest_from(Point::new(x, y), corner),
+                None => self.hem.nearest(Point::new(x, y)),
+            };
+            self.near[i] = Some(nearest.corner);
+            let (foot, normal) = foot_and_normal(&nearest, Point::new(x, y));
             residuals[i] = (x - foot.x) * normal.0 + (y - foot.y) * normal.1;
             self.rows[i] = [-(normal.0 * cos - normal.1 * sin), -(normal.0 * sin + normal.1 * cos), normal.0 * y - normal.1 * x];
         }
@@ -90,9 +97,9 @@ impl Problem for Overlay<'_> {
     }
 }
 
-/// The nearest point of a closed polygon and the unit vector from it towards `point`, outward where the point lies on it.
-fn foot_and_normal(hem: &Polygon<'_>, point: Point) -> (Point, (f64, f64)) {
-    let NearestPlace { square, foot, side } = hem.nearest(point);
+/// The foot of `point` on a closed polygon and the unit vector from it towards the point, outward where the point lies on it.
+fn foot_and_normal(nearest: &NearestPlace, point: Point) -> (Point, (f64, f64)) {
+    let NearestPlace { square, foot, side, .. } = *nearest;
     let length = side.0.hypot(side.1).max(f64::MIN_POSITIVE);
     let outward = (side.1 / length, -side.0 / length);
     let distance = square.sqrt();

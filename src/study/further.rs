@@ -9,7 +9,7 @@ use crate::statistics::effects::{EffectComparison, compare};
 use crate::statistics::factorial::FactorialDesign;
 use crate::statistics::known_errors::{self, KnownErrorRegression};
 use crate::statistics::next_runs::{Suggestion, next_runs};
-use crate::statistics::permutation::{self, PermutationTest, permutation_tests};
+use crate::statistics::permutation::PermutationTest;
 use crate::statistics::power::smallest_coefficient;
 use crate::statistics::residuals::{Diagnostics, diagnose, without_suspects};
 use crate::statistics::steepest_ascent::{self, Goal, Path, steepest_ascent};
@@ -78,11 +78,17 @@ impl Series {
     }
 }
 
-/// Looks further at a response that was analysed.
+/// Looks further at a response that was analysed, with its permutation tests.
 ///
 /// # Errors
 /// None that the analysis would not have had.
-pub fn further(design: &FactorialDesign, series: &Series, analysis: &Analysis, options: &Options) -> Result<Further, Error> {
+pub fn further(
+    design: &FactorialDesign,
+    series: &Series,
+    analysis: &Analysis,
+    permutation: Vec<PermutationTest>,
+    options: &Options,
+) -> Result<Further, Error> {
     let response = &series.measured;
     let way = |goal| -> Result<Way, Error> {
         let ascent = steepest_ascent::Options { goal, alpha: options.alpha, ..Default::default() };
@@ -96,7 +102,7 @@ pub fn further(design: &FactorialDesign, series: &Series, analysis: &Analysis, o
     Ok(Further {
         diagnostics: diagnose(design, analysis, options.alpha)?,
         without_suspects: without_suspects(design, response, analysis, options)?,
-        permutation: permutation_tests(design, response, &permutation::Options::default())?,
+        permutation,
         box_cox: if response.iter().flatten().all(|y| 0.0 < *y) { box_cox(design, response, options.alpha)? } else { None },
         detectable: detectable(design, analysis, options.alpha),
         ways: [way(Goal::Increase)?, way(Goal::Decrease)?],
@@ -162,6 +168,7 @@ mod tests {
     use crate::statistics::box_wilson::analyse;
     use crate::statistics::effects::Agreement;
     use crate::statistics::factorial::Axis;
+    use crate::statistics::permutation::permutation_tests;
 
     fn looked_at(replicates: usize, predicted: Result<Vec<Option<f64>>, String>) -> Further {
         looked_at_between(Axis::coded("a"), replicates, predicted)
@@ -174,7 +181,8 @@ mod tests {
         let measured: Vec<Option<f64>> = design.levels().iter().enumerate().map(|(i, x)| Some(5.0 + x[0] + scatter(i))).collect();
         let analysis = analyse(&design, &measured, &Options::default()).unwrap();
         let series = Series { standard_errors: vec![Some(0.2); measured.len()], measured, predicted };
-        further(&design, &series, &analysis, &Options::default()).unwrap()
+        let permutation = permutation_tests(&design, &series.measured, &Default::default()).unwrap();
+        further(&design, &series, &analysis, permutation, &Options::default()).unwrap()
     }
 
     #[test]

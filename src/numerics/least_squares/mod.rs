@@ -60,6 +60,7 @@ mod limits;
 mod loss;
 mod outcome;
 mod problem;
+mod reflections;
 mod robust;
 mod solve;
 mod step;

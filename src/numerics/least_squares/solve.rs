@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::limits::{Bounds, Limit, State};
 use super::outcome::{Options, Summary, Termination};
 use super::problem::Problem;
+use super::reflections::triangle;
 use super::step::Linear;
 use crate::error::Error;
 
@@ -122,12 +123,9 @@ fn run(problem: &mut impl Problem, start: &[f64], bounds: &Bounds, options: &Opt
         for (j, mut column) in scaled.column_iter_mut().enumerate() {
             column /= unit[j];
         }
-        let right = DVector::from_column_slice(&residuals);
-        let gradient = scaled.tr_mul(&right);
-        let qr = scaled.qr();
-        let mut projected = right;
-        qr.q_tr_mul(&mut projected);
-        let triangle = qr.r();
+        let mut projected = DVector::from_column_slice(&residuals);
+        let gradient = scaled.tr_mul(&projected);
+        let triangle = triangle(scaled, projected.as_mut_slice());
         let projected = projected.rows(0, triangle.nrows()).into_owned();
 
         // The constraint in scaled parameters, and a basis of the directions that leave it and the active bounds alone.

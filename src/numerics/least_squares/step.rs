@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::limits::Bounds;
+use super::reflections::triangle as triangle_of;
 
 /// The linear model of the residuals at an iterate, in scaled parameters.
 pub(super) struct Linear {
@@ -108,9 +109,7 @@ fn damped_step(
     }
     let mut right = DVector::zeros(used + unknowns);
     right.rows_mut(0, used).copy_from(&(-(projected + triangle * &particular)));
-    let qr = augmented.qr();
-    qr.q_tr_mul(&mut right);
-    let solution = qr.r().solve_upper_triangular(&right.rows(0, unknowns))?;
+    let solution = triangle_of(augmented, right.as_mut_slice()).solve_upper_triangular(&right.rows(0, unknowns))?;
     let step = particular + free * solution;
     step.iter().all(|s| s.is_finite()).then_some(step)
 }

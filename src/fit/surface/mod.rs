@@ -2,25 +2,27 @@
 //!
 //! Distances are horizontal: each measured point is held against the curve at its own height, along that curve's normal.
 
-use nalgebra::{DMatrix, DVector};
+mod joint;
+mod lines;
+
+use nalgebra::DMatrix;
 use serde::Serialize;
 
+use self::joint::{distances, foot, joint};
+use self::lines::{Lines, canonical, through_sections};
 use super::folds::{self, Options};
-use super::foot_point::{Foot, centred, follow, nearest};
 use super::outcome::{Estimate, HemFit};
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::experiment::campaign::Folds;
 use crate::experiment::surface::{MeasuredSurface, Section};
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::least_squares::{self, Problem, Summary, covariance};
+use crate::numerics::least_squares::covariance;
 
 /// Fewest sections: a straight line, and something to tell whether it is one.
 pub const FEWEST_SECTIONS: usize = 3;
 /// Points that are fitted at most; more of them repeat the same folds.
 const MOST_POINTS: usize = 20_000;
-/// Starts a fold when a foot is looked for anew.
-const FOOT_STARTS: usize = 16;
 /// A correlation of neighbours below this many of its own standard errors is none.
 const SIGNIFICANT: f64 = 3.0;
 
@@ -174,26 +176,6 @@ pub fn fit(measured: &MeasuredSurface, options: &Options) -> Result<SurfaceFit, 
     Ok(trial.outcome(measured, options))
 }
 
-/// The lines of all unknowns of one surface: value at the mean height and slope, phase without slope.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Lines {
-    folds: u32,
-    /// Mean height, m.
-    middle: f64,
-    values: [f64; 11],
-}
-
-impl Lines {
-    fn curve(&self, z: f64) -> (Hem, Placement) {
-        curve(&self.values, self.folds, z - self.middle)
-    }
-}
-
-fn curve(v: &[f64], folds: u32, dz: f64) -> (Hem, Placement) {
-    let at = |value: usize, slope: usize| v[value] + dz * v[slope];
-    (Hem { p: at(3, 8), q: at(4, 9), s: at(5, 10), folds }, Placement { x0: at(0, 6), y0: at(1, 7), phase: v[2] })
-}
-
 /// One fold count, tried.
 struct Trial {
     lines: Lines,
@@ -279,8 +261,8 @@ impl Trial {
             .zip(self.alone)
             .map(|(section, alone)| {
                 let (hem, placement) = lines.curve(section.height);
-                let feet = section.profile.points().iter().map(|&point| nearest(&hem, centred(point, &placement), FOOT_STARTS).distance());
-                let squares: f64 = feet.map(|d| d * d).sum();
+                let distance = |point: &Point| foot(&lines, &[point.x, point.y, section.height]).distance();
+                let squares: f64 = section.profile.points().iter().map(|point| distance(point).powi(2)).sum();
                 let rms = (squares / section.profile.points().len() as f64).sqrt();
                 SectionFit { height: section.height, alone, hem, placement, rms }
             })
@@ -352,104 +334,6 @@ impl Trial {
     }
 }
 
-/// Straight lines through the estimates of the sections, weighted by their standard errors, and their covariance raised to the lines' own misfit.
-fn through_sections(m: u32, sections: &[Section], alone: &[Result<HemFit, String>]) -> Option<(Lines, DMatrix<f64>)> {
-    let fitted: Vec<(f64, &HemFit)> = sections
-        .iter()
-        .zip(alone)
-        .filter_map(|(section, fit)| fit.as_ref().ok().map(|fit| (section.height, fit)))
-        .filter(|(_, fit)| fit.folds == Some(m))
-        .collect();
-    if fitted.len() < FEWEST_SECTIONS {
-        return None;
-    }
-    let middle = fitted.iter().map(|(z, _)| z).sum::<f64>() / fitted.len() as f64;
-    // The deepest folds know the phase best; the others are taken as turned by whole folds at most.
-    let period = std::f64::consts::TAU / f64::from(m);
-    let (weight, mut sine, mut cosine) = (|fit: &HemFit| (fit.hem.q / fit.hem.p).powi(2), 0.0, 0.0);
-    for (_, fit) in &fitted {
-        let (sin, cos) = (f64::from(m) * fit.placement.phase).sin_cos();
-        sine += weight(fit) * sin;
-        cosine += weight(fit) * cos;
-    }
-    let phase = (sine.atan2(cosine) / f64::from(m)).rem_euclid(period);
-    let mut values = [0.0; 11];
-    values[2] = phase;
-    let mut matrix = DMatrix::zeros(11, 11);
-    type Pick<'a> = &'a dyn Fn(&HemFit) -> (f64, Option<f64>);
-    let estimate = |e: Option<Estimate>| e.map_or((0.0, None), |e| (e.value, e.standard_error));
-    let turned = |fit: &HemFit| if (f64::from(m) * (fit.placement.phase - phase)).cos() < 0.0 { -1.0 } else { 1.0 };
-    let picks: [(usize, usize, Pick); 5] = [
-        (0, 6, &|f| (f.placement.x0, f.p.standard_error)),
-        (1, 7, &|f| (f.placement.y0, f.p.standard_error)),
-        (3, 8, &|f| (f.p.value, f.p.standard_error)),
-        // A fold turned by half of one is a negative fold.
-        (4, 9, &|f| (turned(f) * f.hem.q, estimate(f.q).1)),
-        (5, 10, &|f| estimate(f.s)),
-    ];
-    for (value, slope, pick) in picks {
-        let rows: Vec<(f64, f64, f64)> = fitted
-            .iter()
-            .map(|(z, fit)| {
-                let (y, error) = pick(fit);
-                // Without an error of its own a section counts as one of a millimetre: it is a match in order.
-                (z - middle, y, error.filter(|e| 0.0 < *e).map_or(1e6, |e| 1.0 / (e * e)))
-            })
-            .collect();
-        let sum = |f: &dyn Fn(&(f64, f64, f64)) -> f64| rows.iter().map(f).sum::<f64>();
-        let (w, wz, wzz) = (sum(&|r| r.2), sum(&|r| r.2 * r.0), sum(&|r| r.2 * r.0 * r.0));
-        let (wy, wzy) = (sum(&|r| r.2 * r.1), sum(&|r| r.2 * r.0 * r.1));
-        let determinant = w * wzz - wz * wz;
-        // All at one height, or not finite.
-        if determinant.partial_cmp(&(1e-12 * w * wzz)).is_none_or(std::cmp::Ordering::is_le) {
-            return None;
-        }
-        values[value] = (wzz * wy - wz * wzy) / determinant;
-        values[slope] = (w * wzy - wz * wy) / determinant;
-        let misfit = sum(&|r| r.2 * (r.1 - values[value] - r.0 * values[slope]).powi(2)) / (rows.len() as f64 - 2.0);
-        let scale = misfit.max(1.0) / determinant;
-        matrix[(value, value)] = wzz * scale;
-        matrix[(slope, slope)] = w * scale;
-        (matrix[(value, slope)], matrix[(slope, value)]) = (-wz * scale, -wz * scale);
-    }
-    // Of the weighted mean of the phases, from their scatter.
-    let total: f64 = fitted.iter().map(|(_, fit)| weight(fit)).sum();
-    let apart = |fit: &HemFit| ((f64::from(m) * (fit.placement.phase - phase)).sin() / f64::from(m)).powi(2);
-    matrix[(2, 2)] = fitted.iter().map(|(_, fit)| weight(fit) * apart(fit)).sum::<f64>() / total / (fitted.len() as f64 - 1.0);
-    Some((Lines { folds: m, middle, values }, matrix))
-}
-
-/// The joint fit from `start`; `None` if it does not converge.
-fn joint(start: &Lines, places: &[[f64; 3]], options: &Options, evaluations: &mut usize) -> Result<Option<(Lines, Summary)>, Error> {
-    let feet = places.iter().map(|place| foot(start, place).t).collect();
-    let size = places.iter().map(|[x, y, _]| x.abs().max(y.abs())).fold(0.0, f64::max);
-    let solver = least_squares::Options { residual_rounding: 4.0 * f64::EPSILON * size, ..options.solver };
-    let mut problem = Joint { places, lines: *start, feet, trial: vec![None; places.len()] };
-    let mut lines = *start;
-    // Feet that are nearer on another flank are moved, and the fit goes on; in practice after one round.
-    for _ in 0..4 {
-        let summary = least_squares::solve(&mut problem, &lines.values, &solver)?;
-        *evaluations += summary.evaluations;
-        if !summary.termination.converged() && summary.termination != least_squares::Termination::Stalled {
-            return Ok(None);
-        }
-        lines.values.copy_from_slice(&summary.parameters);
-        if !problem.look_again(&lines) {
-            return Ok(Some((lines, summary)));
-        }
-    }
-    Ok(None)
-}
-
-fn foot(lines: &Lines, [x, y, z]: &[f64; 3]) -> Foot {
-    let (hem, placement) = lines.curve(*z);
-    nearest(&hem, centred(Point::new(*x, *y), &placement), FOOT_STARTS)
-}
-
-fn distances(lines: &Lines, places: &[[f64; 3]]) -> Vec<f64> {
-    places.iter().map(|place| foot(lines, place).distance()).collect()
-}
-
 /// What is wrong with a surface as the outline of these sections, if anything: length and simplicity at the lowest and highest section and between.
 fn insane(lines: &Lines, sections: &[Section]) -> Option<String> {
     sections.iter().find_map(|section| {
@@ -466,18 +350,6 @@ fn insane(lines: &Lines, sections: &[Section]) -> Option<String> {
     })
 }
 
-/// The same surface with q ≥ 0 at the lowest height that matters (the mean) and the phase within one fold.
-fn canonical(lines: Lines) -> Lines {
-    let mut values = lines.values;
-    let half = std::f64::consts::PI / f64::from(lines.folds.max(1));
-    if values[4] < 0.0 {
-        (values[4], values[9]) = (-values[4], -values[9]);
-        values[2] += half;
-    }
-    values[2] = values[2].rem_euclid(2.0 * half);
-    Lines { values, ..lines }
-}
-
 fn lack_of_fit(line: &Line, sections: &[SectionFit], pick: impl Fn(&HemFit) -> Option<f64>) -> Option<LackOfFit> {
     let values: Vec<(f64, f64)> =
         sections.iter().filter_map(|s| Some((s.height, pick(s.alone.as_ref().ok().filter(|f| f.folds == Some(s.hem.folds))?)?))).collect();
@@ -492,84 +364,4 @@ fn lack_of_fit(line: &Line, sections: &[SectionFit], pick: impl Fn(&HemFit) -> O
     let (at, largest) = values.iter().map(|v| (v.0, departure(v))).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0.0, 0.0));
     let explained = (0.0 < total).then(|| (1.0 - squares / total).max(0.0));
     Some(LackOfFit { rms: (squares / n).sqrt(), largest, at, explained })
-}
-
-/// Residuals: the horizontal distance of every point from the curve at its height.
-struct Joint<'a> {
-    places: &'a [[f64; 3]],
-    /// Fold count and mean height; the values change.
-    lines: Lines,
-    /// Feet at the current iterate.
-    feet: Vec<f64>,
-    /// Feet at the last evaluated unknowns.
-    trial: Vec<Option<Foot>>,
-}
-
-impl Joint<'_> {
-    /// Whether some point has a nearer foot elsewhere within half a fold; moves those feet.
-    fn look_again(&mut self, lines: &Lines) -> bool {
-        let half = std::f64::consts::PI / f64::from(lines.folds.max(1));
-        let mut moved = false;
-        for (place, t) in self.places.iter().zip(&mut self.feet) {
-            let (hem, placement) = lines.curve(place[2]);
-            let point = centred(Point::new(place[0], place[1]), &placement);
-            let here = Foot::at(&hem, point, *t);
-            let found = super::foot_point::nearest_within(&hem, point, *t - half, *t + half, FOOT_STARTS);
-            if found.square() < here.square() * (1.0 - 1e-6) - 1e-18 {
-                *t = found.t;
-                moved = true;
-            }
-        }
-        moved
-    }
-}
-
-impl Problem for Joint<'_> {
-    fn residual_count(&self) -> usize {
-        self.places.len()
-    }
-
-    fn residuals(&mut self, x: &[f64], residuals: &mut [f64]) -> bool {
-        for (i, (place, residual)) in self.places.iter().zip(residuals).enumerate() {
-            let (hem, placement) = curve(x, self.lines.folds, place[2] - self.lines.middle);
-            let foot = follow(&hem, centred(Point::new(place[0], place[1]), &placement), self.feet[i]);
-            *residual = foot.distance();
-            self.trial[i] = Some(foot);
-            if !residual.is_finite() {
-                return false;
-            }
-        }
-        true
-    }
-
-    fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
-        for (i, (foot, place)) in self.trial.iter().zip(self.places).enumerate() {
-            let Some(foot) = foot else { return false };
-            let local = &foot.local;
-            let speed = local.speed();
-            let (nr, nt) = (local.velocity.1 / speed, -local.velocity.0 / speed);
-            let (sin, cos) = (foot.t + x[2]).sin_cos();
-            let dz = place[2] - self.lines.middle;
-            let by = [-(nr * cos - nt * sin), -(nr * sin + nt * cos), -nr, -nr * local.cos_fold, -nt * local.sin_lean];
-            jacobian[(i, 2)] = nr * local.position.1 - nt * local.position.0;
-            for (by, (value, slope)) in by.into_iter().zip([(0, 6), (1, 7), (3, 8), (4, 9), (5, 10)]) {
-                jacobian[(i, value)] = by;
-                jacobian[(i, slope)] = dz * by;
-            }
-        }
-        true
-    }
-
-    fn accept(&mut self) -> bool {
-        for (foot, trial) in self.feet.iter_mut().zip(&self.trial) {
-            if let Some(trial) = trial {
-                *foot = trial.t;
-            }
-        }
-        true
-    }
-
-    fn constraint(&mut self, _: &[f64]) -> Option<(f64, DVector<f64>)> {
-        None
-    }
 }

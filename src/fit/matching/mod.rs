@@ -3,14 +3,21 @@
 //! Folds of one hem differ in width, so equal fractions of length drift apart. Dynamic time warping of two closed curves, in a band of about
 //! half a fold, keeps the order and leaves out no piece of either curve (Sakoe & Chiba, IEEE Trans. ASSP 26 (1978) 43–49, symmetric form).
 
+mod path;
+
 use std::f64::consts::TAU;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::outline::{Outline, hem_crossings};
+use self::path::{Band, path};
+use super::crossings::crosses_more_than;
+use super::eight_places::{Places, in_eights, points_at};
+use super::outline::Outline;
 use super::start::{LengthTable, Start};
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
+use crate::numerics::lanes::Lanes;
+use crate::vectorized;
 
 /// A curve and its match to the outline.
 #[derive(Debug, Clone)]
@@ -50,19 +57,20 @@ pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched 
         hem = stretched(hem, length, ROUGH);
     }
     let mut best: Option<Matched> = None;
-    let mut pin = None;
+    let (mut pin, mut scratch) = (None, Vec::new());
     for _ in 0..ROUNDS {
-        let (pairs, next) = warp(&samples, &hem, &placement, start.offset, pin);
+        let nodes = Nodes::at(&hem, &placement, samples.len());
+        let (pairs, next) = warp(&samples, &nodes, start.offset, pin, &mut scratch);
         pin = Some(next);
-        let rms = rms(&pairs, &samples, &hem, &placement);
+        let rms = rms(&pairs, &samples, &nodes);
         let settled = best.as_ref().is_some_and(|b| rms > b.rms * (1.0 - 1e-4));
         if best.as_ref().is_none_or(|b| rms < b.rms) {
-            best = Some(Matched { hem, placement, parameters: parameters(&pairs, samples.len()), rms });
+            best = Some(Matched { hem, placement, parameters: parameters(&pairs, &nodes), rms });
         }
         if settled {
             break;
         }
-        let Some((next, at)) = solve(&samples, &pairs, hem, placement, length) else { break };
+        let Some((next, at)) = solve(&samples, &pairs, &nodes, length) else { break };
         (hem, placement) = (next, at);
     }
     let best = best.expect("at least one round");
@@ -80,7 +88,7 @@ pub fn warped(outline: &Outline, start: &Start, length: Option<f64>) -> Matched 
 /// Without lean the curve has one radius for each polar angle and cannot cross itself; its folds are deepened to keep the length.
 fn simple(best: Matched, outline: &Outline, samples: &[Point], offset: f64, length: f64) -> Matched {
     let leaning = |share: f64| stretched(Hem { s: share * best.hem.s, ..best.hem }, length, ROUGH);
-    let tangled = |hem: &Hem| outline.crossings < hem_crossings(hem);
+    let tangled = |hem: &Hem| crosses_more_than(hem, outline.crossings);
     if !tangled(&best.hem) {
         return best;
     }
@@ -91,9 +99,9 @@ fn simple(best: Matched, outline: &Outline, samples: &[Point], offset: f64, leng
     }
     // Not the last curve that does not cross: folds that touch are no better.
     let hem = leaning(0.9 * low);
-    let (pairs, _) = warp(samples, &hem, &best.placement, offset, None);
-    let rms = rms(&pairs, samples, &hem, &best.placement);
-    Matched { hem, placement: best.placement, parameters: parameters(&pairs, samples.len()), rms }
+    let nodes = Nodes::at(&hem, &best.placement, samples.len());
+    let (pairs, _) = warp(samples, &nodes, offset, None, &mut Vec::new());
+    Matched { hem, placement: best.placement, parameters: parameters(&pairs, &nodes), rms: rms(&pairs, samples, &nodes) }
 }
 
 /// The same curve with its folds deepened or flattened until its perimeter is `length` to a relative `tolerance`, as nearly as folds can do it.
@@ -129,7 +137,8 @@ pub fn stretched(hem: Hem, length: f64, tolerance: f64) -> Hem {
 /// length at which the crest `t = 0` lies.
 pub fn apart(outline: &Outline, hem: &Hem, placement: &Placement, offset: f64) -> f64 {
     let samples = thinned(outline, hem.folds);
-    rms(&warp(&samples, hem, placement, offset, None).0, &samples, hem, placement)
+    let nodes = Nodes::at(hem, placement, samples.len());
+    rms(&warp(&samples, &nodes, offset, None, &mut Vec::new()).0, &samples, &nodes)
 }
 
 /// About twenty samples a fold.
@@ -138,19 +147,45 @@ fn thinned(outline: &Outline, folds: u32) -> Vec<Point> {
     outline.samples.iter().copied().step_by(stride).collect()
 }
 
-fn rms(pairs: &[Pair], samples: &[Point], hem: &Hem, placement: &Placement) -> f64 {
-    let square = |p: &Pair| {
-        let on = hem.point(placement, p.parameter);
-        p.weight * ((samples[p.sample].x - on.x).powi(2) + (samples[p.sample].y - on.y).powi(2))
-    };
-    (pairs.iter().map(square).sum::<f64>() / pairs.iter().map(|p| p.weight).sum::<f64>()).sqrt()
+/// A hem at equal steps of its length.
+struct Nodes {
+    hem: Hem,
+    placement: Placement,
+    /// Curve parameter, ascending.
+    parameters: Vec<f64>,
+    /// m.
+    points: Vec<Point>,
+}
+
+impl Nodes {
+    fn at(hem: &Hem, placement: &Placement, n: usize) -> Self {
+        let parameters: Vec<f64> = LengthTable::of(hem).parameters((0..n).map(|j| j as f64 / n as f64)).collect();
+        let points = points_at(hem, placement, parameters.iter().copied());
+        Nodes { hem: *hem, placement: *placement, parameters, points }
+    }
 }
 
 /// One cell of the match.
 struct Pair {
     sample: usize,
-    parameter: f64,
+    node: usize,
+    /// Whole turns by which the node is further on than its parameter.
+    turns: f64,
     weight: f64,
+}
+
+/// From a pair's sample back to its node, m.
+fn difference(pair: &Pair, samples: &[Point], nodes: &Nodes) -> (f64, f64) {
+    let (sample, node) = (samples[pair.sample], nodes.points[pair.node]);
+    (sample.x - node.x, sample.y - node.y)
+}
+
+fn rms(pairs: &[Pair], samples: &[Point], nodes: &Nodes) -> f64 {
+    let square = |pair: &Pair| {
+        let (ex, ey) = difference(pair, samples, nodes);
+        pair.weight * (ex * ex + ey * ey)
+    };
+    (pairs.iter().map(square).sum::<f64>() / pairs.iter().map(|p| p.weight).sum::<f64>()).sqrt()
 }
 
 /// A sample and its lag that are known to belong together: where a path begins and ends.
@@ -159,19 +194,18 @@ type Pin = (usize, i64);
 /// The least-cost match in order, once round from `pin`; and a pin half way round, for the next match.
 ///
 /// Without a pin the match begins at sample 0, and again from the pin that this gives, so that neither end is pinned wrongly.
-fn warp(samples: &[Point], hem: &Hem, placement: &Placement, offset: f64, pin: Option<Pin>) -> (Vec<Pair>, Pin) {
+fn warp(samples: &[Point], nodes: &Nodes, offset: f64, pin: Option<Pin>, scratch: &mut Vec<f64>) -> (Vec<Pair>, Pin) {
     let n = samples.len();
-    let table = LengthTable::of(hem);
-    let nodes: Vec<(f64, Point)> = (0..n).map(|j| table.parameter(j as f64 / n as f64)).map(|t| (t, hem.point(placement, t))).collect();
     let base = (-offset * n as f64).round() as i64;
-    let half = ((BAND * n as f64 / f64::from(hem.folds.max(1))) as i64).max(4);
+    let half = ((BAND * n as f64 / f64::from(nodes.hem.folds.max(1))) as i64).max(4);
+    let mut way = |(from, lag): Pin| path(samples, &nodes.points, from, lag, Band { base, half }, scratch);
     let half_way = |cells: &[(usize, i64)], from: usize| {
         let (i, lag) = cells.iter().find(|(i, _)| *i == from + n / 2).expect("the path visits every sample");
         (i % n, *lag)
     };
-    let (from, lag) = pin.unwrap_or_else(|| half_way(&path(samples, &nodes, 0, 0, base, half), 0));
-    let path = path(samples, &nodes, from, lag, base, half);
-    let next = half_way(&path, from);
+    let pin = pin.unwrap_or_else(|| half_way(&way((0, 0)), 0));
+    let path = way(pin);
+    let next = half_way(&path, pin.0);
     let mut pairs = Vec::with_capacity(path.len());
     let mut last: Option<(usize, i64)> = None;
     for &(i, lag) in &path {
@@ -181,98 +215,39 @@ fn warp(samples: &[Point], hem: &Hem, placement: &Placement, offset: f64, pin: O
         };
         last = Some((i, lag));
         let node = i as i64 + lag + base;
-        let turn = node.div_euclid(n as i64);
         // Samples past the end are those of the next turn.
-        let turns_back = (i / n) as f64;
-        let parameter = nodes[node.rem_euclid(n as i64) as usize].0 + TAU * (turn as f64 - turns_back);
-        pairs.push(Pair { sample: i % n, parameter, weight });
+        let turns = (node.div_euclid(n as i64) - (i / n) as i64) as f64;
+        pairs.push(Pair { sample: i % n, node: node.rem_euclid(n as i64) as usize, turns, weight });
     }
     // The closing cell repeats the first one.
     pairs.pop();
     (pairs, next)
 }
 
-/// Cells (sample, lag) of the cheapest path from (`from`, `lag`) once round to (`from + n`, `lag`).
-fn path(samples: &[Point], nodes: &[(f64, Point)], from: usize, lag: i64, base: i64, half: i64) -> Vec<(usize, i64)> {
-    let n = samples.len();
-    let width = (2 * half + 1) as usize;
-    // Nodes in the order in which the band meets them: row `step`, column `k` is `band[step + k]`.
-    let first = from as i64 - half + base;
-    let band: Vec<Point> = (0..n + width).map(|j| nodes[(first + j as i64).rem_euclid(n as i64) as usize].1).collect();
-    let start = (lag + half) as usize;
-    let mut total = vec![f64::INFINITY; (n + 1) * width];
-    // 0: both advance, 1: the sample advances, 2: the node advances.
-    let mut came = vec![0_u8; (n + 1) * width];
-    // The row above, with one column more than the band, so that its end needs no question.
-    let mut above = vec![f64::INFINITY; width + 1];
-    for step in 0..=n {
-        let sample = samples[(from + step) % n];
-        let row = &mut total[step * width..(step + 1) * width];
-        let came = &mut came[step * width..(step + 1) * width];
-        let mut left = f64::INFINITY;
-        for k in 0..width {
-            let node = band[step + k];
-            let here = (sample.x - node.x).powi(2) + (sample.y - node.y).powi(2);
-            let mut best = (above[k] + 2.0 * here, 0);
-            if above[k + 1] + here < best.0 {
-                best = (above[k + 1] + here, 1);
-            }
-            if left + here < best.0 {
-                best = (left + here, 2);
-            }
-            if step == 0 && k == start {
-                best = (here, 0);
-            }
-            (row[k], came[k]) = best;
-            left = best.0;
-        }
-        above[..width].copy_from_slice(row);
-    }
-    let mut cells = Vec::with_capacity(2 * n);
-    let (mut step, mut k) = (n, start);
-    loop {
-        cells.push((from + step, k as i64 - half));
-        if step == 0 && k == start {
-            break;
-        }
-        match came[step * width + k] {
-            0 => step -= 1,
-            1 => {
-                step -= 1;
-                k += 1;
-            }
-            _ => k -= 1,
-        }
-    }
-    cells.reverse();
-    cells
-}
-
 /// Mean parameter of the cells of each sample: ascending, because the path is.
-fn parameters(pairs: &[Pair], n: usize) -> Vec<f64> {
-    let mut sum = vec![(0.0, 0.0); n];
+fn parameters(pairs: &[Pair], nodes: &Nodes) -> Vec<f64> {
+    let mut sum = vec![(0.0, 0.0); nodes.points.len()];
     for pair in pairs {
-        sum[pair.sample].0 += pair.parameter;
+        sum[pair.sample].0 += nodes.parameters[pair.node] + TAU * pair.turns;
         sum[pair.sample].1 += 1.0;
     }
     sum.into_iter().map(|(total, count)| total / count).collect()
 }
 
 /// One Gauss–Newton step for the match at hand, on the length constraint if there is one.
-fn solve(samples: &[Point], pairs: &[Pair], hem: Hem, placement: Placement, length: Option<f64>) -> Option<(Hem, Placement)> {
-    let mut normal = SMatrix::<f64, 6, 6>::zeros();
-    let mut right = SVector::<f64, 6>::zeros();
+fn solve(samples: &[Point], pairs: &[Pair], nodes: &Nodes, length: Option<f64>) -> Option<(Hem, Placement)> {
+    let Nodes { hem, placement, .. } = nodes;
+    let mut pulls = vec![[0.0; 3]; nodes.points.len()];
     for pair in pairs {
-        let local = hem.local(pair.parameter);
-        let (sin, cos) = (pair.parameter + placement.phase).sin_cos();
-        let (rho, tau) = local.position;
-        let ex = samples[pair.sample].x - placement.x0 - (rho * cos - tau * sin);
-        let ey = samples[pair.sample].y - placement.y0 - (rho * sin + tau * cos);
-        let by_x = SVector::from([1.0, 0.0, -rho * sin - tau * cos, cos, local.cos_fold * cos, -local.sin_lean * sin]);
-        let by_y = SVector::from([0.0, 1.0, rho * cos - tau * sin, sin, local.cos_fold * sin, local.sin_lean * cos]);
-        normal += pair.weight * (by_x * by_x.transpose() + by_y * by_y.transpose());
-        right += pair.weight * (by_x * ex + by_y * ey);
+        let (ex, ey) = difference(pair, samples, nodes);
+        let [weight, x, y] = &mut pulls[pair.node];
+        *weight += pair.weight;
+        *x += pair.weight * ex;
+        *y += pair.weight * ey;
     }
+    let eights = |part: usize| in_eights(pulls.iter().map(|pull| pull[part]), 0.0);
+    let (normal, right) =
+        normal_equations(hem, placement, &in_eights(nodes.parameters.iter().copied(), 0.0), &[eights(0), eights(1), eights(2)]);
     let factor = normal.cholesky()?;
     let mut step = factor.solve(&right);
     if let Some(length) = length {
@@ -291,4 +266,29 @@ fn solve(samples: &[Point], pairs: &[Pair], hem: Hem, placement: Placement, leng
         _ => next,
     };
     (next.p.is_finite() && next.q.is_finite() && next.s.is_finite()).then_some((next, at))
+}
+
+vectorized! {
+    /// Normal matrix and right-hand side in x0, y0, phase, p, q and s, of nodes with their weight and weighed differences in x and y.
+    fn normal_equations<V>(
+        hem: &Hem,
+        placement: &Placement,
+        parameters: &[Lanes],
+        pulls: &[Vec<Lanes>; 3],
+    ) -> (SMatrix<f64, 6, 6>, SVector<f64, 6>) {
+        let mut normal = [[V::zero(); 6]; 6];
+        let mut right = [V::zero(); 6];
+        for (i, t) in parameters.iter().enumerate() {
+            let moved = Places::at(hem, placement, V::of(t)).moved();
+            let (weight, ex, ey) = (V::of(&pulls[0][i]), V::of(&pulls[1][i]), V::of(&pulls[2][i]));
+            for a in 0..6 {
+                right[a] = moved[a][0].mul_add(ex, moved[a][1].mul_add(ey, right[a]));
+                let (by_x, by_y) = (moved[a][0] * weight, moved[a][1] * weight);
+                for b in 0..=a {
+                    normal[a][b] = by_x.mul_add(moved[b][0], by_y.mul_add(moved[b][1], normal[a][b]));
+                }
+            }
+        }
+        (SMatrix::from_fn(|a, b| normal[a.max(b)][a.min(b)].sum()), SVector::from_fn(|a, _| right[a].sum()))
+    }
 }
