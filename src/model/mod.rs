@@ -14,3 +14,4 @@ pub mod pattern;
 pub mod skirt;
 pub mod surface;
 pub mod tangent;
+pub mod tangent_hem;

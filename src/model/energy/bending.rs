@@ -56,18 +56,34 @@ impl Bending {
     }
 
     /// b_0 and b_2 (J per radian of σ) of a hem of radius `hem`, each with its first and second derivative by cos ψ.
-    pub fn by_cos(&self, cos: f64, hem: f64) -> ([f64; 3], [f64; 3]) {
-        by_cosines(self, &[cos], hem)[0]
-    }
-
-    /// The same of many angles.
-    pub fn by_cosines(&self, cosines: &[f64], hem: f64) -> Vec<([f64; 3], [f64; 3])> {
-        by_cosines(self, cosines, hem)
-    }
-
-    /// b_0 and b_2 at eight places, with their derivatives by cos ψ and by r̂.
     ///
     /// The same integrals as [`Bending::density`], differentiated by hand: this is the innermost loop of a prediction.
+    pub fn by_cos(&self, cos: f64, hem: f64) -> ([f64; 3], [f64; 3]) {
+        let (mut constant, mut quadratic) = ([0.0; 3], [0.0; 3]);
+        for &(p, u, weight) in &self.slices {
+            let q = u * hem;
+            let lever = p * cos + q;
+            let inverse = 1.0 / (q * (lever + p * cos) + p * p);
+            // d(v²)/d(cos ψ) relative to v², and the same of the lever, kept free of division by a lever that may vanish.
+            let (scaled, bend) = (weight * inverse, 2.0 * p * q * inverse);
+            constant[0] += scaled;
+            constant[1] -= scaled * bend;
+            constant[2] += 2.0 * scaled * bend * bend;
+            let lead = scaled * (q * inverse) * (q * inverse);
+            let arm = lever * bend;
+            quadratic[0] += lead * lever * lever;
+            quadratic[1] += lead * lever * (2.0 * p - 3.0 * arm);
+            quadratic[2] += lead * (2.0 * p * p - 12.0 * p * arm + 12.0 * arm * arm);
+        }
+        (constant, quadratic)
+    }
+
+    /// [`Bending::by_cos`] of many angles.
+    pub fn by_cosines(&self, cosines: &[f64], hem: f64) -> Vec<([f64; 3], [f64; 3])> {
+        by_cosines(&self.slices, cosines, hem)
+    }
+
+    /// b_0 and b_2 at eight places, with their derivatives by cos ψ and by r̂; differentiated by hand like [`Bending::by_cos`].
     #[inline(always)]
     pub fn densities<V: Vector>(&self, cos: V, hem: V) -> [Jets<V, 2>; 2] {
         let (mut constant, mut quadratic) = (Jets::constant(V::zero()), Jets::constant(V::zero()));
@@ -88,25 +104,23 @@ impl Bending {
             constant.hessian[0][0] = scaled.mul_add(twice[0] * g[0], constant.hessian[0][0]);
             constant.hessian[0][1] = scaled.mul_add(twice[0].mul_sub(g[1], mixed), constant.hessian[0][1]);
             constant.hessian[1][1] = scaled.mul_add(twice[1].mul_sub(g[1], bent), constant.hessian[1][1]);
-            // The arm q·lever and its derivatives, over v² once for each factor.
-            let lead = scaled * (inverse * inverse);
-            let arm = q * lever;
-            let by = [q * p, (lever + q) * u];
+            // The arm q·lever and its first derivatives, over v²: the powers of v alone would leave the range of numbers first.
+            let arm = q * lever * inverse;
+            let by = [q * inverse * p, (lever + q) * inverse * u];
             let slope = [by[0] * 2.0 - arm * g[0] * 3.0, by[1] * 2.0 - arm * g[1] * 3.0];
-            let led = lead * arm;
+            let led = scaled * arm;
             quadratic.value = led.mul_add(arm, quadratic.value);
             quadratic.gradient[0] = led.mul_add(slope[0], quadratic.gradient[0]);
             quadratic.gradient[1] = led.mul_add(slope[1], quadratic.gradient[1]);
+            let thrice = V::all(1.0) - arm * 3.0;
             let curved = [
                 (by[0] * by[0]) * 2.0 + arm * (arm * g[0] - by[0]) * g[0] * 12.0,
-                (by[0] * by[1]) * 2.0
-                    + arm * (arm * g[0] * g[1] * 12.0 - (by[0] * g[1] + by[1] * g[0]) * 6.0)
-                    + arm * (V::all(2.0 * u * p) - arm * mixed * 3.0),
-                (by[1] * by[1]) * 2.0 + arm * (arm * g[1] - by[1]) * g[1] * 12.0 + arm * (V::all(4.0 * u * u) - arm * bent * 3.0),
+                (by[0] * by[1]) * 2.0 + arm * ((arm * g[0] * g[1] * 12.0 - (by[0] * g[1] + by[1] * g[0]) * 6.0) + mixed * thrice),
+                (by[1] * by[1]) * 2.0 + arm * ((arm * g[1] - by[1]) * g[1] * 12.0 + bent * (thrice + 1.0)),
             ];
-            quadratic.hessian[0][0] = lead.mul_add(curved[0], quadratic.hessian[0][0]);
-            quadratic.hessian[0][1] = lead.mul_add(curved[1], quadratic.hessian[0][1]);
-            quadratic.hessian[1][1] = lead.mul_add(curved[2], quadratic.hessian[1][1]);
+            quadratic.hessian[0][0] = scaled.mul_add(curved[0], quadratic.hessian[0][0]);
+            quadratic.hessian[0][1] = scaled.mul_add(curved[1], quadratic.hessian[0][1]);
+            quadratic.hessian[1][1] = scaled.mul_add(curved[2], quadratic.hessian[1][1]);
         }
         [constant, quadratic]
     }
@@ -114,14 +128,30 @@ impl Bending {
 
 vectorized! {
     /// Eight angles at a time, the last of them as often as it takes.
-    fn by_cosines<V>(bending: &Bending, cosines: &[f64], hem: f64) -> Vec<([f64; 3], [f64; 3])> {
+    fn by_cosines<V>(slices: &[(f64, f64, f64)], cosines: &[f64], hem: f64) -> Vec<([f64; 3], [f64; 3])> {
         let mut out = Vec::with_capacity(cosines.len());
         for chunk in cosines.chunks(WIDTH) {
             let mut lanes = Lanes([chunk[chunk.len() - 1]; WIDTH]);
             lanes.0[..chunk.len()].copy_from_slice(chunk);
-            let [constant, quadratic] = bending.densities(V::of(&lanes), V::all(hem));
-            let constant = [constant.value.lanes(), constant.gradient[0].lanes(), constant.hessian[0][0].lanes()];
-            let quadratic = [quadratic.value.lanes(), quadratic.gradient[0].lanes(), quadratic.hessian[0][0].lanes()];
+            let cos = V::of(&lanes);
+            let (mut constant, mut quadratic) = ([V::zero(); 3], [V::zero(); 3]);
+            for &(p, u, weight) in slices {
+                let (q, toward) = (u * hem, cos * p);
+                let lever = toward + q;
+                let inverse = V::all(1.0) / (lever + toward).mul_add(V::all(q), V::all(p * p));
+                let (scaled, bend) = (inverse * weight, inverse * (2.0 * p * q));
+                constant[0] = constant[0] + scaled;
+                constant[1] = scaled.neg_mul_add(bend, constant[1]);
+                constant[2] = (scaled * 2.0 * bend).mul_add(bend, constant[2]);
+                let reach = inverse * q;
+                let (lead, arm) = (scaled * reach * reach, lever * bend);
+                let turned = lead * lever;
+                quadratic[0] = turned.mul_add(lever, quadratic[0]);
+                quadratic[1] = turned.mul_add((arm * -3.0) + 2.0 * p, quadratic[1]);
+                quadratic[2] = lead.mul_add((arm * 12.0).mul_add(arm - p, V::all(2.0 * p * p)), quadratic[2]);
+            }
+            let (constant, quadratic) =
+                ([constant[0].lanes(), constant[1].lanes(), constant[2].lanes()], [quadratic[0].lanes(), quadratic[1].lanes(), quadratic[2].lanes()]);
             for lane in 0..chunk.len() {
                 let one = |of: &[Lanes; 3]| [of[0].0[lane], of[1].0[lane], of[2].0[lane]];
                 out.push((one(&constant), one(&quadratic)));
@@ -144,7 +174,7 @@ mod tests {
             let cos = 0.1 * f64::from(i);
             let (constant, quadratic) = bending.density(Jet::<1>::variable(cos, 0), Jet::constant(0.2362));
             let many = bending.by_cosines(&[0.3, cos, 0.1, 0.2, 0.4, 0.5, 0.6, 0.7, cos], 0.2362);
-            for hand in [many[1], many[8], bending.by_cos(cos, 0.2362)] {
+            for hand in [bending.by_cos(cos, 0.2362), many[1], many[8]] {
                 for (jet, hand) in [(constant, hand.0), (quadratic, hand.1)] {
                     // The same sums in another order.
                     for (a, b) in [(jet.value, hand[0]), (jet.gradient[0], hand[1]), (jet.hessian[0][0], hand[2])] {
