@@ -2,8 +2,7 @@
 
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
-use crate::numerics::lanes::{Lanes, Vector, WIDTH};
-use crate::numerics::sine::sin_cos;
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, sin_cos};
 use crate::vectorized;
 
 /// Eight places on a placed hem; pairs are (radial, tangential) in the frame that turns with `e_r`, m.

@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 use super::foot_point::follow_all;
 use super::orthogonal::curve;
 use crate::experiment::Point;
-use crate::numerics::sine::sines_and_cosines;
+use crate::numerics::lanes::sines_and_cosines;
 
 /// x0, y0 (m), phase (rad), p, q, s (m).
 pub type Unknowns = [f64; 6];

@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Local, Placement};
-use crate::numerics::lanes::{Lanes, Vector, WIDTH};
-use crate::numerics::sine::sin_cos;
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, sin_cos};
 use crate::vectorized;
 
 /// A measured point in the frame of the curve: centred, turned back by the phase.

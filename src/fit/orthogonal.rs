@@ -10,8 +10,8 @@ use super::limits::Limits;
 use crate::error::Error;
 use crate::experiment::Point;
 use crate::model::hem::{Hem, Placement};
+use crate::numerics::lanes::sines_and_cosines;
 use crate::numerics::least_squares::{self, Limit, Loss, Options, Problem, Robust, State, Summary};
-use crate::numerics::sine::sines_and_cosines;
 
 /// Names of the unknowns, in order.
 pub const UNKNOWNS: [&str; 6] = ["x0", "y0", "phase", "p", "q", "s"];

@@ -6,8 +6,7 @@ use super::akaike;
 use super::eight_places::in_eights;
 use super::outline::centroid;
 use crate::experiment::Point;
-use crate::numerics::lanes::{Lanes, Vector, WIDTH, turned};
-use crate::numerics::sine::sin_cos;
+use crate::numerics::lanes::{Lanes, Vector, WIDTH, sin_cos, turned};
 use crate::vectorized;
 
 /// Orders tried in vain before giving up: the next harmonic of up to 60 folds lies within them.

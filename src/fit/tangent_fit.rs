@@ -35,6 +35,11 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// With a curve that is [slim](TangentCurve::slim).
+    pub fn slim(self) -> Self {
+        Placed { curve: self.curve.slim(), ..self }
+    }
+
     /// The point at σ, m.
     pub fn point(&self, sigma: f64) -> Point {
         self.placed(self.curve.at(sigma).position)

@@ -9,4 +9,3 @@ pub mod least_squares;
 pub mod minimize;
 pub mod pivoted_qr;
 pub mod quadrature;
-pub mod sine;

@@ -97,6 +97,12 @@ pub fn irregular(profile: &DrapeProfile, fit: &HemFit) -> Irregular {
     };
     let none = FoldTable { folds: vec![], depth_variation: None, width_variation: None };
     let table = free.as_ref().map_or(none, |(_, free)| fold_table(free, &fold_table::Options::default()));
+    // A campaign keeps many of them.
+    let tangent = tangent.map(|(model, fit)| (model, TangentFit { placed: fit.placed.slim(), ..fit }));
+    let free = free.map(|(model, mut fit)| {
+        fit.placed = fit.placed.slim();
+        (model, fit)
+    });
     Irregular { points: n, paper, tangent, free, lack_of_fit, table }
 }
 

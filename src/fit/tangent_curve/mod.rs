@@ -61,6 +61,12 @@ impl TangentCurve {
         TangentCurve::of(self.harmonics.clone(), cosines, sines)
     }
 
+    /// The same without the tables of its harmonics, which are most of it and are made again where they are asked for: to be kept.
+    pub fn slim(self) -> Self {
+        let Harmonics { symmetry, orders, .. } = *self.harmonics;
+        TangentCurve { harmonics: Arc::new(Harmonics::new(symmetry, orders)), ..self }
+    }
+
     fn of(harmonics: Arc<Harmonics>, cosines: &[f64], sines: &[f64]) -> Self {
         assert!(cosines.len() == harmonics.orders && sines.len() == harmonics.orders, "as many sines as cosines");
         let (nodes, step) = (harmonics.nodes, harmonics.step);

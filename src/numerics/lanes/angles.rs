@@ -2,14 +2,15 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-use super::Vector;
+use super::{Lanes, Vector, WIDTH};
+use crate::vectorized;
 
 /// π/2 less the number nearest to it.
 const REST: f64 = 6.123_233_995_736_766e-17;
 /// Added and taken away it leaves the nearest whole number.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// (sin, cos) of angles up to a thousand turns, each within one and a half units of its last place or of 1e-16 where it is near zero.
+/// (sin, cos) of angles up to a million radians either way, each within one and a half units of its last place or of 1e-16 where it is near zero.
 ///
 /// The angle less the nearest quarters of a turn, then the series: 15 and 16 powers are beyond rounding up to an eighth of a turn.
 #[inline(always)]
@@ -36,6 +37,25 @@ pub fn sin_cos<V: Vector>(angle: V) -> (V, V) {
     let below = V::choose(left, -half, -one, V::choose(more, left, -one, one));
     let behind = V::choose(half, left, -one, V::choose(left, -more, -one, one));
     (s * below, c * behind)
+}
+
+vectorized! {
+    fn turn_all<V>(angles: &mut [Lanes], cosines: &mut [Lanes]) -> () {
+        for (angle, cosine) in angles.iter_mut().zip(cosines) {
+            let (sin, cos) = sin_cos(V::of(angle));
+            (*angle, *cosine) = (sin.lanes(), cos.lanes());
+        }
+    }
+}
+
+/// (sin, cos) of every angle, as [`sin_cos`].
+pub fn sines_and_cosines(angles: impl ExactSizeIterator<Item = f64>) -> Vec<(f64, f64)> {
+    let count = angles.len();
+    let mut sines = vec![Lanes::ZERO; count.div_ceil(WIDTH)];
+    angles.enumerate().for_each(|(i, angle)| sines[i / WIDTH].0[i % WIDTH] = angle);
+    let mut cosines = vec![Lanes::ZERO; sines.len()];
+    turn_all(&mut sines, &mut cosines);
+    (0..count).map(|i| (sines[i / WIDTH].0[i % WIDTH], cosines[i / WIDTH].0[i % WIDTH])).collect()
 }
 
 /// `(cos kt, sin kt)` from `(cos t, sin t)` by squaring and multiplying, k ≥ 1: no sine of its own. The relative error is about k ε.
@@ -83,7 +103,6 @@ fn doubled<V: Vector>((cos, sin): (V, V)) -> (V, V) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Lanes, WIDTH};
     use super::*;
 
     #[test]
@@ -103,6 +122,28 @@ mod tests {
             assert!((sin.0[lane] - s).abs() < 1e-30 + 2.2e-16 * s.abs() && (cos.0[lane] - c).abs() < 1e-30 + 2.2e-16 * c.abs());
         }
         assert!(sin_cos(Lanes([f64::NAN; WIDTH])).0.0[0].is_nan() && sin_cos(Lanes([f64::INFINITY; WIDTH])).1.0[0].is_nan());
+    }
+
+    #[test]
+    fn sines_of_a_list_are_those_of_the_system_to_the_last_digit() {
+        let quarter = FRAC_PI_2;
+        let near = (-40..40).flat_map(|n| [-1e-9, 0.0, 1e-9, 0.3, 0.785].map(|d| f64::from(n) * quarter + d));
+        let far = (0..4000).map(|i| 1e6 * (f64::from(i) * 0.618).sin());
+        let angles: Vec<f64> = near.chain(far).chain([-0.0, 1e-300, f64::MIN_POSITIVE]).collect();
+        let found = sines_and_cosines(angles.iter().copied());
+        assert_eq!(found.len(), angles.len());
+        for (angle, (sin, cos)) in angles.iter().zip(found) {
+            let (s, c) = angle.sin_cos();
+            assert!((sin - s).abs() <= f64::EPSILON && (cos - c).abs() <= f64::EPSILON, "{angle}: {sin} {s}, {cos} {c}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_angle_has_no_sine() {
+        for angle in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let [(sin, cos)] = sines_and_cosines([angle].into_iter())[..] else { unreachable!("one for one") };
+            assert!(sin.is_nan() && cos.is_nan());
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub mod registers;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-pub use angles::{multiple_angle, sin_cos, small_angle, turned};
+pub use angles::{multiple_angle, sin_cos, sines_and_cosines, small_angle, turned};
 
 /// Numbers in one [`Lanes`]: one 512-bit register, or two of 256 bit.
 pub const WIDTH: usize = 8;
