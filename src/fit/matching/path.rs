@@ -137,6 +137,8 @@ vectorized! {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// Total cost of a path, and whether each cell follows the one before.
@@ -158,7 +160,7 @@ mod tests {
     fn the_path_is_the_cheapest_of_all() {
         for (n, half, from, lag, base) in [(24, 4, 0, 0, 0), (24, 7, 5, -2, 3), (40, 12, 39, 12, -11), (17, 4, 8, -4, 40)] {
             let curve = |shift: f64, wave: f64| -> Vec<Point> {
-                let angle = |i: usize| 6.283 * i as f64 / n as f64;
+                let angle = |i: usize| TAU * i as f64 / n as f64;
                 (0..n).map(|i| angle(i) + wave * (3.0 * angle(i)).sin()).map(|a| Point::new((a + shift).cos(), (a + shift).sin())).collect()
             };
             let (samples, nodes) = (curve(0.1, 0.2), curve(0.0, -0.1));
