@@ -176,18 +176,23 @@ pub fn write_with(
     let translator = Translator::new(options.language, language::names(study));
     let drawn = options.wants(Part::Pdf) || options.wants(Part::Figures);
     let gallery = if drawn { gallery_in(study, options, &translator)? } else { gallery::Gallery::new() };
-    // Pictures first, on all cores, then the document: the two at once would need the room of both, and the document then takes the figures as its own.
-    let pictures = if options.wants(Part::Figures) { picture::write_all(&gallery, folder, options.dpi, progress)? } else { vec![] };
-    let manuscript = options.wants(Part::Pdf).then(|| document::manuscript(study, gallery, options, &translator));
-    // The typesetter leaves cores idle; the rest fills them.
-    let mut document = None;
+    // The document comes last and alone: with anything beside it it would need the room of both. It takes the figures as its own.
+    let mut pictures = Ok(vec![]);
     let rest = rayon::in_place_scope(|scope| {
-        if let Some(manuscript) = manuscript {
-            scope.spawn(|_| document = Some(typeset::pdf(manuscript).and_then(|bytes| output::write(folder, "report.pdf", &bytes))));
+        if options.wants(Part::Figures) {
+            scope.spawn(|_| pictures = picture::write_all(&gallery, folder, options.dpi, progress));
         }
         write_rest(study, folder, options, &translator)
     });
-    Ok(document.transpose()?.into_iter().chain(rest?).chain(pictures).collect())
+    let (pictures, rest) = (pictures?, rest?);
+    let mut written = vec![];
+    if options.wants(Part::Pdf) {
+        let document = typeset::pdf(document::manuscript(study, gallery, options, &translator))?;
+        written.push(output::write(folder, "report.pdf", &document)?);
+    }
+    written.extend(rest);
+    written.extend(pictures);
+    Ok(written)
 }
 
 /// The page, the tables and the summary.
