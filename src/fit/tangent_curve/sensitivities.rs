@@ -28,41 +28,28 @@ impl<'a> Sensitivities<'a> {
         if self.curve.symmetry() == 1 { 2 * orders } else { orders }
     }
 
-    /// Where a coefficient is found: vector and lane.
-    fn place(&self, column: usize) -> (usize, usize) {
-        let orders = self.curve.harmonics.orders;
-        let (first, k) = if column < orders { (0, column) } else { (self.curve.harmonics.order.len(), column - orders) };
-        (first + k / WIDTH, k % WIDTH)
-    }
-
     /// What `see` is told of each coefficient at σ: its index, the derivative of the position and that of the tangent `w'`.
     pub fn at(&self, sigma: f64, mut see: impl FnMut(usize, C, C)) {
-        let curve = self.curve;
-        let Cell { node, share: x, period } = curve.cell(sigma);
-        let turn = curve.harmonics.turns[period];
-        let [a, b, c, d] = hermite(x, curve.harmonics.step);
-        let (f, g) = (turn * I * curve.first[node], turn * I * curve.first[node + 1]);
-        let middle = turn * I * (curve.first[node] * (1.0 - x) + curve.first[node + 1] * x);
+        let mut moved = [vec![0.0; self.count()], vec![0.0; self.count()]];
+        for (part, direction) in moved.iter_mut().zip([C::new(1.0, 0.0), I]) {
+            self.along(sigma, direction, |column, value| part[column] = value);
+        }
+        let Harmonics { symmetry, orders, .. } = *self.curve.harmonics;
+        let tangent = I * self.curve.at(sigma).first;
         for column in 0..self.count() {
-            let (vector, lane) = self.place(column);
-            let harmonic = |j: usize| basis(&curve.harmonics, self.width, j, vector).0[lane];
-            let position = |j: usize| {
-                let [re, im] = &self.position[self.width * j + vector];
-                C::new(re.0[lane], im.0[lane])
-            };
-            let (here, there) = (harmonic(node), harmonic(node + 1));
-            let moved = turn * (position(node) * a + position(node + 1) * b) + f * (here * c) + g * (there * d);
-            see(column, moved, middle * (here * (1.0 - x) + there * x));
+            let (sin, cos) = (f64::from(symmetry) * (column % orders + 1) as f64 * sigma).sin_cos();
+            let harmonic = if symmetry == 1 && column < orders { cos } else { sin };
+            see(column, C::new(moved[0][column], moved[1][column]), tangent * harmonic);
         }
     }
 
-    /// What `see` is told of each coefficient at σ: its index and the derivative of the position along `direction`.
+    /// What `see` is told of each coefficient at σ: its index and the derivative of the position along `direction`, by the same quintics as the curve itself.
     pub fn along(&self, sigma: f64, direction: C, mut see: impl FnMut(usize, f64)) {
         let curve = self.curve;
         let Cell { node, share, period } = curve.cell(sigma);
         let turn = curve.harmonics.turns[period];
-        let tangents = [turn * I * curve.first[node], turn * I * curve.first[node + 1]];
-        let seen = Seen { node, weights: hermite(share, curve.harmonics.step), turn, tangents, direction };
+        let ends = [node, node + 1].map(|node| End { node, tangent: turn * I * curve.first[node], bend: turn * I * curve.second[node] });
+        let seen = Seen { ends, weights: hermite(share, curve.harmonics.step), turn, direction };
         let orders = curve.harmonics.orders;
         let mut eight = Lanes::ZERO;
         for vector in 0..self.width {
@@ -75,44 +62,53 @@ impl<'a> Sensitivities<'a> {
     }
 }
 
-/// Cubic Hermite weights of both values, then of both slopes.
-fn hermite(x: f64, step: f64) -> [f64; 4] {
-    let there = x * x * (3.0 - 2.0 * x);
-    [1.0 - there, there, x * (1.0 - x) * (1.0 - x) * step, x * x * (x - 1.0) * step]
+/// Quintic Hermite weights of value, slope and second derivative: here, then there.
+fn hermite(x: f64, step: f64) -> [[f64; 3]; 2] {
+    let (cube, square) = (x * x * x, step * step);
+    let there = cube * (10.0 + x * (-15.0 + 6.0 * x));
+    [
+        [1.0 - there, step * (x + cube * (-6.0 + x * (8.0 - 3.0 * x))), square * 0.5 * x * x * (1.0 + x * (-3.0 + x * (3.0 - x)))],
+        [there, step * cube * (-4.0 + x * (7.0 - 3.0 * x)), square * 0.5 * cube * (1.0 + x * (-2.0 + x))],
+    ]
 }
 
-/// Eight harmonics at node j: cosines before sines where there are both.
-#[inline(always)]
-fn basis(harmonics: &Harmonics, width: usize, j: usize, vector: usize) -> &Lanes {
-    let (cosines, sines) = harmonics.at(j);
-    let both = harmonics.order.len() < width;
-    if both && vector < cosines.len() { &cosines[vector] } else { &sines[if both { vector - cosines.len() } else { vector }] }
+/// A node beside the place, and i times its tangent and the derivative of that, turned into the place's period.
+struct End {
+    node: usize,
+    tangent: C,
+    bend: C,
 }
 
 /// One place of the curve, and the direction in which its motion is seen.
 struct Seen {
-    node: usize,
-    /// Of position here and there, of slope here and there.
-    weights: [f64; 4],
+    ends: [End; 2],
+    /// Of position, slope and second derivative at either end.
+    weights: [[f64; 3]; 2],
     turn: C,
-    /// i times the tangent, here and there.
-    tangents: [C; 2],
     direction: C,
 }
 
 vectorized! {
     fn moved_along<V>(sensitivities: &Sensitivities<'_>, seen: &Seen, vector: usize, moved: &mut Lanes) -> () {
-        let Seen { node, weights: [a, b, c, d], turn, tangents: [f, g], direction } = seen;
-        let width = sensitivities.width;
-        let [re, im] = &sensitivities.position[width * node + vector];
-        let [next_re, next_im] = &sensitivities.position[width * (node + 1) + vector];
-        let (re, im) = (V::of(re) * *a + V::of(next_re) * *b, V::of(im) * *a + V::of(next_im) * *b);
-        let harmonics = &sensitivities.curve.harmonics;
-        let here = V::of(basis(harmonics, width, *node, vector)) * *c;
-        let there = V::of(basis(harmonics, width, node + 1, vector)) * *d;
-        let (re, im) = (re * turn.re - im * turn.im, im * turn.re + re * turn.im);
-        let (re, im) = (re + here * f.re + there * g.re, im + here * f.im + there * g.im);
-        *moved = (re * direction.re + im * direction.im).lanes();
+        let (width, harmonics) = (sensitivities.width, &*sensitivities.curve.harmonics);
+        let vectors = harmonics.order.len();
+        let both = vectors < width;
+        let sine = !both || vectors <= vector;
+        let part = if both && sine { vector - vectors } else { vector };
+        let order = V::of(&harmonics.order[part]);
+        let along = |z: C| z.re * seen.direction.re + z.im * seen.direction.im;
+        // Along the direction a turned number is its parts along these.
+        let (real, imaginary) = (along(seen.turn), along(seen.turn * I));
+        let mut sum = V::zero();
+        for (End { node, tangent, bend }, [value, slope, second]) in seen.ends.iter().zip(seen.weights) {
+            let [re, im] = &sensitivities.position[width * node + vector];
+            let (cosines, sines) = harmonics.at(*node);
+            let (cos, sin) = (V::of(&cosines[part]), V::of(&sines[part]));
+            let (harmonic, steeper) = if sine { (sin, order * cos) } else { (cos, order * -sin) };
+            sum = sum + V::of(re) * (value * real) + V::of(im) * (value * imaginary);
+            sum = sum + harmonic * (slope * along(*tangent) + second * along(*bend)) + steeper * (second * along(*tangent));
+        }
+        *moved = sum.lanes();
     }
 }
 
