@@ -30,16 +30,15 @@ impl<'a> Sensitivities<'a> {
 
     /// What `see` is told of each coefficient at σ: its index, the derivative of the position and that of the tangent `w'`.
     pub fn at(&self, sigma: f64, mut see: impl FnMut(usize, C, C)) {
-        let mut moved = [vec![0.0; self.count()], vec![0.0; self.count()]];
-        for (part, direction) in moved.iter_mut().zip([C::new(1.0, 0.0), I]) {
-            self.along(sigma, direction, |column, value| part[column] = value);
-        }
+        let mut moved = vec![C::new(0.0, 0.0); self.count()];
+        self.along(sigma, C::new(1.0, 0.0), |column, value| moved[column].re = value);
+        self.along(sigma, I, |column, value| moved[column].im = value);
         let Harmonics { symmetry, orders, .. } = *self.curve.harmonics;
         let tangent = I * self.curve.at(sigma).first;
-        for column in 0..self.count() {
+        for (column, moved) in moved.into_iter().enumerate() {
             let (sin, cos) = (f64::from(symmetry) * (column % orders + 1) as f64 * sigma).sin_cos();
             let harmonic = if symmetry == 1 && column < orders { cos } else { sin };
-            see(column, C::new(moved[0][column], moved[1][column]), tangent * harmonic);
+            see(column, moved, tangent * harmonic);
         }
     }
 
