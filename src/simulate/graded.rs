@@ -15,7 +15,7 @@ use crate::model::tangent::TangentHem;
 use crate::numerics::minimize::{Minimum, Options, Smooth, minimize};
 
 /// Harmonics and height modes that are right to some tenths of a millimetre on skirts. Chosen from `hemline study accuracy`: 0.1 mm, on the front of error
-/// against time; 4 × 8 would leave 0.02 mm at two and a half times the time, 2 × 4 0.6 mm at half of it.
+/// against time; 4 × 8 would leave 0.02 mm at twice the time, 2 × 4 0.6 mm at half of it.
 pub const HARMONICS: usize = 3;
 /// See [`HARMONICS`].
 pub const MODES: usize = 6;
