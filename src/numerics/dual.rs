@@ -1,6 +1,6 @@
 //! Dual numbers: a value with its exact derivatives in N directions at once.
 //!
-//! Pushed through a hand-written gradient they give N columns of the exact Hessian; with N = 0 they are plain numbers.
+//! Pushed through a model they give its exact Jacobian, through a hand-written gradient N columns of the Hessian; with N = 0 they are plain numbers.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
